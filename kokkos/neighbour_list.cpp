@@ -1,7 +1,7 @@
 #include "kokkos/neighbour_list.hpp"
 
-#include "kokkos/simd.hpp"
 #include "kokkos/scan.hpp"
+#include "kokkos/simd.hpp"
 
 #include <type_traits>
 
@@ -89,7 +89,8 @@ struct Search {
     // The neighbours among the candidates [start, start + batch), as bits. All of the batch is tested, the last one
     // reading into the padding behind the coordinates; the outcome of a test is as good as random, so that hits are
     // collected as bits, not by branches.
-    KOKKOS_INLINE_FUNCTION unsigned hits(SimdDouble x, SimdDouble y, SimdDouble z, int start, int last, int self) const {
+    KOKKOS_INLINE_FUNCTION unsigned hits(
+        SimdDouble x, SimdDouble y, SimdDouble z, int start, int last, int self) const {
         unsigned bits = 0;
         for (int k = 0; k < batch; k += lanes) {
             const SimdDouble dx = x - load_lanes(along_x.data() + start + k);
@@ -116,8 +117,8 @@ struct Search {
             count(i) = found;
         });
     }
-    KOKKOS_INLINE_FUNCTION void fill(int chunk_index, const std::uint16_t* mask, const Array<std::int64_t>& offset,
-                                     const Array<int>& index) const {
+    KOKKOS_INLINE_FUNCTION void fill(
+        int chunk_index, const std::uint16_t* mask, const Array<std::int64_t>& offset, const Array<int>& index) const {
         each_of(chunk_index, [&](int i, double, double, double, const Runs& runs) {
             int* row = index.data() + offset(i);
             for (int r = 0; r < runs.count; ++r) {
@@ -130,36 +131,38 @@ struct Search {
 };
 } // namespace
 
-void NeighbourList::build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,
-                          const CellList& cells, double radius) {
+void NeighbourList::build(
+    const ParticleStore& of, const ParticleStore& among, const CellGrid& grid, const CellList& cells, double radius) {
     const int n = of.owned(), chunks = (n + chunk - 1) / chunk;
     for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(among.total() + batch));
-    const Search search{grid, cells.window, cells.begin, cells.end, of.position(), along_[0], along_[1],
-                        along_[2], radius * radius, n, &of == &among};
+    const Search search{grid, cells.window, cells.begin, cells.end, of.position(), along_[0], along_[1], along_[2],
+        radius * radius, n, &of == &among};
     const auto x = among.position();
-    Kokkos::parallel_for("treacle::split_positions", among.total(), KOKKOS_LAMBDA(int j) {
-        search.along_x(j) = x(j, 0);
-        search.along_y(j) = x(j, 1);
-        search.along_z(j) = x(j, 2);
-    });
+    Kokkos::parallel_for(
+        "treacle::split_positions", among.total(), KOKKOS_LAMBDA(int j) {
+            search.along_x(j) = x(j, 0);
+            search.along_y(j) = x(j, 1);
+            search.along_z(j) = x(j, 2);
+        });
     reserve(offset, static_cast<std::size_t>(n) + 1);
     reserve(mask_offset_, static_cast<std::size_t>(chunks) + 1);
     const auto rows = offset, masks_before = mask_offset_;
-    Kokkos::parallel_for("treacle::count_batches", chunks,
-                         KOKKOS_LAMBDA(int c) { masks_before(c) = search.count_batches(c); });
+    Kokkos::parallel_for(
+        "treacle::count_batches", chunks, KOKKOS_LAMBDA(int c) { masks_before(c) = search.count_batches(c); });
     reserve(masks_, static_cast<std::size_t>(counts_to_offsets(mask_offset_, chunks)));
     const auto masks = masks_;
-    Kokkos::parallel_for("treacle::test_candidates", chunks, KOKKOS_LAMBDA(int c) {
-        search.test(c, masks.data() + masks_before(c), rows);
-    });
+    Kokkos::parallel_for(
+        "treacle::test_candidates", chunks,
+        KOKKOS_LAMBDA(int c) { search.test(c, masks.data() + masks_before(c), rows); });
     size = counts_to_offsets(offset, n);
     reserve(index, static_cast<std::size_t>(size) + padding);
     const auto list = index;
     const auto entries = size;
-    Kokkos::parallel_for("treacle::fill_neighbours", chunks, KOKKOS_LAMBDA(int c) {
-        search.fill(c, masks.data() + masks_before(c), rows, list);
-    });
-    Kokkos::parallel_for("treacle::pad_neighbours", padding, KOKKOS_LAMBDA(int k) { list(entries + k) = 0; });
+    Kokkos::parallel_for(
+        "treacle::fill_neighbours", chunks,
+        KOKKOS_LAMBDA(int c) { search.fill(c, masks.data() + masks_before(c), rows, list); });
+    Kokkos::parallel_for(
+        "treacle::pad_neighbours", padding, KOKKOS_LAMBDA(int k) { list(entries + k) = 0; });
 }
 
 } // namespace treacle

@@ -17,17 +17,17 @@ public:
 
     // Neighbours of the owned particles of `of` among all particles of `among`, which `cells` lists. The radius [m] is
     // at most a cell's width. A distance of 0 counts, but from a particle to itself.
-    void build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid,
-               const CellList& cells, double radius);
+    void build(const ParticleStore& of, const ParticleStore& among, const CellGrid& grid, const CellList& cells,
+        double radius);
     // Memory of the list and of what building it needs [B].
     std::size_t bytes() const {
-        return offset.span() * 8 + index.span() * 4 + 3 * along_[0].span() * 8 +
-               masks_.span() * 2 + mask_offset_.span() * 8;
+        return offset.span() * 8 + index.span() * 4 + 3 * along_[0].span() * 8 + masks_.span() * 2 +
+               mask_offset_.span() * 8;
     }
 
 private:
     Array<double> along_[3] = {Array<double>("treacle::along_x", 0), Array<double>("treacle::along_y", 0),
-                               Array<double>("treacle::along_z", 0)};
+        Array<double>("treacle::along_z", 0)};
     Array<std::uint16_t> masks_{"treacle::neighbour_masks", 0};
     Array<std::int64_t> mask_offset_{"treacle::neighbour_mask_offset", 0}; // per chunk of particles
 };

@@ -10,19 +10,21 @@ namespace {
 template <class View>
 void gather_rows(const View& from, const View& to, const Array<int>& order, int n) {
     if constexpr (View::rank == 1) {
-        Kokkos::parallel_for("treacle::permute", n, KOKKOS_LAMBDA(int k) { to(k) = from(order(k)); });
+        Kokkos::parallel_for(
+            "treacle::permute", n, KOKKOS_LAMBDA(int k) { to(k) = from(order(k)); });
     } else {
-        Kokkos::parallel_for("treacle::permute", n, KOKKOS_LAMBDA(int k) {
-            const int i = order(k);
-            for (int c = 0; c < 3; ++c) to(k, c) = from(i, c);
-        });
+        Kokkos::parallel_for(
+            "treacle::permute", n, KOKKOS_LAMBDA(int k) {
+                const int i = order(k);
+                for (int c = 0; c < 3; ++c) to(k, c) = from(i, c);
+            });
     }
 }
 } // namespace
 
 ParticleStore::ParticleStore()
     : scratch_{Array<double>("treacle::scratch", 0), Array3("treacle::scratch3", 0),
-               Array<std::int64_t>("treacle::scratch_id", 0), Array<int>("treacle::scratch_int", 0)} {
+          Array<std::int64_t>("treacle::scratch_id", 0), Array<int>("treacle::scratch_int", 0)} {
     add<Array3>("position", "m", FieldRole::state);
     add<Array<std::int64_t>>("id", "", FieldRole::state, true);
 }
@@ -78,11 +80,13 @@ namespace {
 template <class View>
 void copy_rows(const View& view, const Array<int>& from, const Array<int>& to, int n) {
     if constexpr (View::rank == 1) {
-        Kokkos::parallel_for("treacle::fill_holes", n, KOKKOS_LAMBDA(int k) { view(to(k)) = view(from(k)); });
+        Kokkos::parallel_for(
+            "treacle::fill_holes", n, KOKKOS_LAMBDA(int k) { view(to(k)) = view(from(k)); });
     } else {
-        Kokkos::parallel_for("treacle::fill_holes", n, KOKKOS_LAMBDA(int k) {
-            for (int c = 0; c < 3; ++c) view(to(k), c) = view(from(k), c);
-        });
+        Kokkos::parallel_for(
+            "treacle::fill_holes", n, KOKKOS_LAMBDA(int k) {
+                for (int c = 0; c < 3; ++c) view(to(k), c) = view(from(k), c);
+            });
     }
 }
 } // namespace
@@ -109,26 +113,27 @@ int components(const Field& field) { return std::holds_alternative<Array3>(field
 CellBox occupied_cells(const ParticleStore& store, const CellGrid& grid, int first) {
     const auto x = store.position();
     int none = 0;
-    return reduce_bounds("treacle::occupied_cells", first, store.owned(), none,
-                         KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); })
+    return reduce_bounds(
+        "treacle::occupied_cells", first, store.owned(), none,
+        KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); })
         .cells(grid);
 }
 
 namespace {
 // Orders the particles of each cell by id: the order of every neighbour sum is then the same on any number
 // of ranks. Insertion sort: a cell holds some ten particles, nearly in order.
-void order_within_cells(const Array<int>& order, const Array<std::int64_t>& id, const CellList& cells,
-                        int n_cells) {
+void order_within_cells(const Array<int>& order, const Array<std::int64_t>& id, const CellList& cells, int n_cells) {
     const auto begin = cells.begin, end = cells.end;
-    Kokkos::parallel_for("treacle::order_within_cells", n_cells, KOKKOS_LAMBDA(int c) {
-        for (int k = begin(c) + 1; k < end(c); ++k) {
-            const int moved = order(k);
-            const auto key = id(moved);
-            int place = k;
-            for (; place > begin(c) && id(order(place - 1)) > key; --place) order(place) = order(place - 1);
-            order(place) = moved;
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::order_within_cells", n_cells, KOKKOS_LAMBDA(int c) {
+            for (int k = begin(c) + 1; k < end(c); ++k) {
+                const int moved = order(k);
+                const auto key = id(moved);
+                int place = k;
+                for (; place > begin(c) && id(order(place - 1)) > key; --place) order(place) = order(place - 1);
+                order(place) = moved;
+            }
+        });
 }
 } // namespace
 
@@ -151,22 +156,26 @@ void CellSort::sort(ParticleStore& store, const CellGrid& grid, const CellBox& o
     const auto begin = cells.begin, end = cells.end, cell = cell_, slot = slot_, order = order_;
     const auto box = window;
     const auto x = store.position();
-    Kokkos::parallel_for("treacle::clear_cells", n_cells, KOKKOS_LAMBDA(int c) { end(c) = 0; });
-    Kokkos::parallel_for("treacle::count_cells", n, KOKKOS_LAMBDA(int i) {
-        int c[3];
-        grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-        cell(i) = box.index(c[0], c[1], c[2]);
-        slot(i) = Kokkos::atomic_fetch_add(&end(cell(i)), 1);
-    });
-    Kokkos::parallel_scan("treacle::scan_cells", n_cells, KOKKOS_LAMBDA(int c, int& sum, bool last) {
-        const int count = end(c);
-        if (last) {
-            begin(c) = sum;
-            end(c) = sum + count;
-        }
-        sum += count;
-    });
-    Kokkos::parallel_for("treacle::place", n, KOKKOS_LAMBDA(int i) { order(begin(cell(i)) + slot(i)) = i; });
+    Kokkos::parallel_for(
+        "treacle::clear_cells", n_cells, KOKKOS_LAMBDA(int c) { end(c) = 0; });
+    Kokkos::parallel_for(
+        "treacle::count_cells", n, KOKKOS_LAMBDA(int i) {
+            int c[3];
+            grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+            cell(i) = box.index(c[0], c[1], c[2]);
+            slot(i) = Kokkos::atomic_fetch_add(&end(cell(i)), 1);
+        });
+    Kokkos::parallel_scan(
+        "treacle::scan_cells", n_cells, KOKKOS_LAMBDA(int c, int& sum, bool last) {
+            const int count = end(c);
+            if (last) {
+                begin(c) = sum;
+                end(c) = sum + count;
+            }
+            sum += count;
+        });
+    Kokkos::parallel_for(
+        "treacle::place", n, KOKKOS_LAMBDA(int i) { order(begin(cell(i)) + slot(i)) = i; });
     order_within_cells(order_, store.id(), cells, n_cells);
     store.permute(order_, n);
 }

@@ -66,7 +66,9 @@ struct SimdDouble {
 using LaneMask = __mmask8;
 
 // Operations number by number. The mask of the first n has all bits for n >= 8; the sum adds in pairs.
-inline SimdDouble select(LaneMask condition, SimdDouble yes, SimdDouble no) { return _mm512_mask_blend_pd(condition, no.v, yes.v); }
+inline SimdDouble select(LaneMask condition, SimdDouble yes, SimdDouble no) {
+    return _mm512_mask_blend_pd(condition, no.v, yes.v);
+}
 inline unsigned to_bitmask(LaneMask mask) { return mask; }
 inline LaneMask tail_mask(int n) { return static_cast<LaneMask>(0xffu >> (lanes - math::min(n, lanes))); }
 inline double sum_lanes(SimdDouble x) {
@@ -121,7 +123,9 @@ struct SimdDouble {
 };
 
 // Operations number by number. The mask of the first n has all bits for n >= 4; the sum adds in pairs.
-inline SimdDouble select(LaneMask condition, SimdDouble yes, SimdDouble no) { return _mm256_blendv_pd(no.v, yes.v, condition.v); }
+inline SimdDouble select(LaneMask condition, SimdDouble yes, SimdDouble no) {
+    return _mm256_blendv_pd(no.v, yes.v, condition.v);
+}
 inline unsigned to_bitmask(LaneMask mask) { return static_cast<unsigned>(_mm256_movemask_pd(mask.v)); }
 inline LaneMask tail_mask(int n) { return {_mm256_cmp_pd(_mm256_setr_pd(0, 1, 2, 3), _mm256_set1_pd(n), _CMP_LT_OQ)}; }
 inline double sum_lanes(SimdDouble x) {
@@ -219,7 +223,8 @@ KOKKOS_INLINE_FUNCTION int compress_store(unsigned bits, SimdInt x, int* to) {
 }
 
 // The same of numbers and their columns.
-KOKKOS_INLINE_FUNCTION int compress_store(unsigned bits, SimdInt column, SimdDouble value, int* to_column, double* to_value) {
+KOKKOS_INLINE_FUNCTION int compress_store(
+    unsigned bits, SimdInt column, SimdDouble value, int* to_column, double* to_value) {
 #if defined(TREACLE_AVX512)
     const int n = compress_store(bits, column, to_column);
     const auto chosen = static_cast<__mmask8>(bits), first = static_cast<__mmask8>((1u << n) - 1);
@@ -265,14 +270,14 @@ KOKKOS_INLINE_FUNCTION Quads gather_quads(const double* rows, const int* index) 
     const __m512d xz = _mm512_maskz_unpacklo_pd(0xff, a, b), yw = _mm512_maskz_unpackhi_pd(0xff, a, b);
     const __m512d xz2 = _mm512_maskz_unpacklo_pd(0xff, c, d), yw2 = _mm512_maskz_unpackhi_pd(0xff, c, d);
     return {_mm512_maskz_shuffle_f64x2(0xff, xz, xz2, 0x88), _mm512_maskz_shuffle_f64x2(0xff, yw, yw2, 0x88),
-            _mm512_maskz_shuffle_f64x2(0xff, xz, xz2, 0xdd), _mm512_maskz_shuffle_f64x2(0xff, yw, yw2, 0xdd)};
+        _mm512_maskz_shuffle_f64x2(0xff, xz, xz2, 0xdd), _mm512_maskz_shuffle_f64x2(0xff, yw, yw2, 0xdd)};
 #elif defined(TREACLE_AVX2)
     const auto one = [&](int k) { return _mm256_load_pd(rows + 4 * std::int64_t(index[k])); };
     const __m256d a = one(0), b = one(1), c = one(2), d = one(3);
     const __m256d xz = _mm256_unpacklo_pd(a, b), yw = _mm256_unpackhi_pd(a, b);
     const __m256d xz2 = _mm256_unpacklo_pd(c, d), yw2 = _mm256_unpackhi_pd(c, d);
     return {_mm256_permute2f128_pd(xz, xz2, 0x20), _mm256_permute2f128_pd(yw, yw2, 0x20),
-            _mm256_permute2f128_pd(xz, xz2, 0x31), _mm256_permute2f128_pd(yw, yw2, 0x31)};
+        _mm256_permute2f128_pd(xz, xz2, 0x31), _mm256_permute2f128_pd(yw, yw2, 0x31)};
 #else
     const double* row = rows + 4 * std::int64_t(index[0]);
     return {row[0], row[1], row[2], row[3]};
@@ -284,8 +289,8 @@ KOKKOS_INLINE_FUNCTION int write_set_bits(unsigned bits, int start, int* to) {
 #if defined(TREACLE_AVX512)
     const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     const int n = __builtin_popcount(bits);
-    const __m512i packed = _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits),
-                                                       _mm512_add_epi32(_mm512_set1_epi32(start), steps));
+    const __m512i packed =
+        _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), _mm512_add_epi32(_mm512_set1_epi32(start), steps));
     _mm512_mask_storeu_epi32(to, static_cast<__mmask16>((1u << n) - 1), packed);
     return n;
 #else

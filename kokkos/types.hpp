@@ -19,18 +19,18 @@ using Array4 = Kokkos::View<double* [4], Kokkos::LayoutRight, Memory>;
 
 namespace math {
 #if KOKKOS_VERSION >= 30700
-using Kokkos::floor;
-using Kokkos::fabs;
-using Kokkos::sqrt;
 using Kokkos::exp;
-using Kokkos::pow;
+using Kokkos::fabs;
+using Kokkos::floor;
 using Kokkos::isfinite;
+using Kokkos::pow;
+using Kokkos::sqrt;
 #else
-using Kokkos::Experimental::floor;
-using Kokkos::Experimental::fabs;
-using Kokkos::Experimental::sqrt;
 using Kokkos::Experimental::exp;
+using Kokkos::Experimental::fabs;
+using Kokkos::Experimental::floor;
 using Kokkos::Experimental::pow;
+using Kokkos::Experimental::sqrt;
 KOKKOS_INLINE_FUNCTION bool isfinite(double x) { return x - x == 0.0; }
 #endif
 inline constexpr double pi = 3.141592653589793238462643383279502884;
@@ -81,8 +81,7 @@ void reserve_keep(View& view, std::size_t n, std::size_t used) {
         if constexpr (View::rank == 1) {
             Kokkos::deep_copy(Kokkos::subview(larger, rows), Kokkos::subview(view, rows));
         } else {
-            Kokkos::deep_copy(Kokkos::subview(larger, rows, Kokkos::ALL()),
-                              Kokkos::subview(view, rows, Kokkos::ALL()));
+            Kokkos::deep_copy(Kokkos::subview(larger, rows, Kokkos::ALL()), Kokkos::subview(view, rows, Kokkos::ALL()));
         }
     }
     view = larger;

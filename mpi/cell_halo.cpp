@@ -50,7 +50,8 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
                     const int shift[3] = {sx * grid.count[0], sy * grid.count[1], sz * grid.count[2]};
                     const CellBox needed = intersect(window_, shifted(theirs, shift, 1));
                     if (!needed.empty()) add_slice(needed, window_, rank, incoming_, received);
-                    const CellBox wanted = intersect(owned_, shifted(grown(theirs, layers, grid.dimensions), shift, -1));
+                    const CellBox wanted =
+                        intersect(owned_, shifted(grown(theirs, layers, grid.dimensions), shift, -1));
                     if (!wanted.empty()) add_slice(wanted, window_, rank, outgoing_, sent);
                 }
             }
@@ -63,14 +64,16 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
 namespace {
 template <class View>
 void unpack_places(const View& field, const Array<int>& places, int n, const BufferColumns& from) {
-    Kokkos::parallel_for("treacle::unpack_places", n, KOKKOS_LAMBDA(int k) { unpack_row(field, places(k), from.row(k)); });
+    Kokkos::parallel_for(
+        "treacle::unpack_places", n, KOKKOS_LAMBDA(int k) { unpack_row(field, places(k), from.row(k)); });
 }
 
 // Rows [first, last) of the message onto their owners; within one slice each owner appears once.
-void add_places(const Array<double>& field, const Array<int>& places, std::int64_t first, std::int64_t last, const BufferColumns& from) {
-    Kokkos::parallel_for("treacle::add_places", static_cast<int>(last - first), KOKKOS_LAMBDA(int k) {
-        field(places(first + k)) += *from.row(first + k);
-    });
+void add_places(const Array<double>& field, const Array<int>& places, std::int64_t first, std::int64_t last,
+    const BufferColumns& from) {
+    Kokkos::parallel_for(
+        "treacle::add_places", static_cast<int>(last - first),
+        KOKKOS_LAMBDA(int k) { field(places(first + k)) += *from.row(first + k); });
 }
 
 // Parts that both directions share: the message of a list of fields, from their places to the other side's.
@@ -101,7 +104,8 @@ void CellHalo::bring(const Fields& fields) {
     carry({comm_, outgoing_, sent_, send_, incoming_, receive_}, fields);
     int column = 0;
     for (const auto& field : fields) {
-        unpack_places(field, received_, static_cast<int>(incoming_.rows()), {receive_, static_cast<int>(fields.size()), column++});
+        unpack_places(field, received_, static_cast<int>(incoming_.rows()),
+            {receive_, static_cast<int>(fields.size()), column++});
     }
 }
 
@@ -110,16 +114,19 @@ void CellHalo::gather(std::initializer_list<Array<int>> values) { bring(values);
 
 namespace {
 void pack_blocks(const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
-    Kokkos::parallel_for("treacle::pack_blocks", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t from = std::int64_t(places(k)) * width, to = std::int64_t(k) * width;
-        for (int c = 0; c < width; ++c) buffer(to + c) = field(from + c);
-    });
+    Kokkos::parallel_for(
+        "treacle::pack_blocks", n, KOKKOS_LAMBDA(int k) {
+            const std::int64_t from = std::int64_t(places(k)) * width, to = std::int64_t(k) * width;
+            for (int c = 0; c < width; ++c) buffer(to + c) = field(from + c);
+        });
 }
-void unpack_blocks(const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
-    Kokkos::parallel_for("treacle::unpack_blocks", n, KOKKOS_LAMBDA(int k) {
-        const std::int64_t to = std::int64_t(places(k)) * width, from = std::int64_t(k) * width;
-        for (int c = 0; c < width; ++c) field(to + c) = buffer(from + c);
-    });
+void unpack_blocks(
+    const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
+    Kokkos::parallel_for(
+        "treacle::unpack_blocks", n, KOKKOS_LAMBDA(int k) {
+            const std::int64_t to = std::int64_t(places(k)) * width, from = std::int64_t(k) * width;
+            for (int c = 0; c < width; ++c) field(to + c) = buffer(from + c);
+        });
 }
 } // namespace
 

@@ -15,9 +15,13 @@ namespace {
 template <class T>
 MPI_Datatype type();
 template <>
-MPI_Datatype type<double>() { return MPI_DOUBLE; }
+MPI_Datatype type<double>() {
+    return MPI_DOUBLE;
+}
 template <>
-MPI_Datatype type<std::int64_t>() { return MPI_INT64_T; }
+MPI_Datatype type<std::int64_t>() {
+    return MPI_INT64_T;
+}
 
 template <class T>
 T reduce(const Comm& comm, T value, MPI_Op op) {
@@ -41,8 +45,8 @@ std::vector<T> gather_lists(const Comm& comm, std::span<const T> values) {
         total += counts.back();
     }
     std::vector<T> all(static_cast<std::size_t>(total));
-    MPI_Allgatherv(values.data(), static_cast<int>(values.size()), type<T>(), all.data(), counts.data(),
-                   starts.data(), type<T>(), native(comm));
+    MPI_Allgatherv(values.data(), static_cast<int>(values.size()), type<T>(), all.data(), counts.data(), starts.data(),
+        type<T>(), native(comm));
     return all;
 }
 
@@ -96,9 +100,7 @@ bool Comm::any(bool value) const { return max(static_cast<std::int64_t>(value)) 
 
 std::vector<std::int64_t> Comm::all_gather(std::int64_t value) const { return gather_values(*this, value); }
 std::vector<double> Comm::all_gather(double value) const { return gather_values(*this, value); }
-std::vector<double> Comm::all_gather(std::span<const double> values) const {
-    return gather_lists(*this, values);
-}
+std::vector<double> Comm::all_gather(std::span<const double> values) const { return gather_lists(*this, values); }
 std::vector<std::int64_t> Comm::all_gather(std::span<const std::int64_t> values) const {
     return gather_lists(*this, values);
 }
@@ -163,11 +165,14 @@ std::filesystem::path folder_of_lone_process() {
     const char* variable = "OMPI_MCA_orte_tmpdir_base";
     const char* base = std::getenv(variable);
     std::error_code failed;
-    std::filesystem::path out = base != nullptr ? std::filesystem::path(base) : std::filesystem::temp_directory_path(failed);
+    std::filesystem::path out =
+        base != nullptr ? std::filesystem::path(base) : std::filesystem::temp_directory_path(failed);
     if (failed) return {};
     out /= "treacle_mpi." + std::to_string(::geteuid()) + "." + std::to_string(::getpid());
     struct stat found {};
-    if (::mkdir(out.c_str(), 0700) != 0 && (::lstat(out.c_str(), &found) != 0 || !S_ISDIR(found.st_mode) || found.st_uid != ::geteuid())) return {};
+    if (::mkdir(out.c_str(), 0700) != 0 &&
+        (::lstat(out.c_str(), &found) != 0 || !S_ISDIR(found.st_mode) || found.st_uid != ::geteuid()))
+        return {};
     ::setenv(variable, out.c_str(), 1);
     return out;
 }

@@ -42,11 +42,10 @@ Cut best_plane(std::span<const double> histogram, double share, int axis, int lo
     Cut best{axis, lo + n, 1e300};
     double below = 0;
     for (int k = 1; k < n; ++k) {
-        const double left = histogram[static_cast<std::size_t>(k - 1)],
-                     right = histogram[static_cast<std::size_t>(k)];
+        const double left = histogram[static_cast<std::size_t>(k - 1)], right = histogram[static_cast<std::size_t>(k)];
         below += left;
-        const double load = std::max((below + ghost_share * right) / share,
-                                     (total - below + ghost_share * left) / (1 - share));
+        const double load =
+            std::max((below + ghost_share * right) / share, (total - below + ghost_share * left) / (1 - share));
         if (load < best.load) best = {axis, lo + k, load};
     }
     return best;
@@ -77,7 +76,9 @@ struct Histograms {
     std::vector<std::size_t> start{0}; // of each part's three
     std::vector<double> weight;
 
-    std::span<const double> of(std::size_t part) const { return std::span(weight).subspan(start[part], start[part + 1] - start[part]); }
+    std::span<const double> of(std::size_t part) const {
+        return std::span(weight).subspan(start[part], start[part + 1] - start[part]);
+    }
 };
 
 // A level of the bisection: its open parts, how each is cut, and the parts that this leaves.
@@ -86,7 +87,8 @@ struct Level {
     std::vector<Cut> cuts;
     std::vector<int> left, right; // of `next`, -1: not cut
 
-    explicit Level(std::vector<Part> open) : parts(std::move(open)), cuts(parts.size()), left(parts.size(), -1), right(parts.size(), -1) {}
+    explicit Level(std::vector<Part> open)
+        : parts(std::move(open)), cuts(parts.size()), left(parts.size(), -1), right(parts.size(), -1) {}
 
     // Cuts a part in two, the children of a node.
     void split(std::size_t p, const Cut& cut, int node) {
@@ -110,7 +112,8 @@ struct WeightedCells {
     std::span<const double> weights;
     std::vector<int> part_of;
 
-    WeightedCells(std::span<const int> places, std::span<const double> loads) : cells(places), weights(loads), part_of(loads.size(), 0) {}
+    WeightedCells(std::span<const int> places, std::span<const double> loads)
+        : cells(places), weights(loads), part_of(loads.size(), 0) {}
 
     // Collective: sums over all ranks.
     Histograms histograms(const Comm& comm, const std::vector<Part>& parts) const {

@@ -15,8 +15,8 @@ std::vector<Message> exchange_sparse(const Comm& comm, const std::vector<Message
     const MPI_Comm mpi = native(comm);
     std::vector<MPI_Request> requests(outgoing.size());
     for (std::size_t k = 0; k < outgoing.size(); ++k) {
-        MPI_Issend(outgoing[k].bytes.data(), static_cast<int>(outgoing[k].bytes.size()), MPI_BYTE,
-                   outgoing[k].rank, sparse_tag, mpi, &requests[k]);
+        MPI_Issend(outgoing[k].bytes.data(), static_cast<int>(outgoing[k].bytes.size()), MPI_BYTE, outgoing[k].rank,
+            sparse_tag, mpi, &requests[k]);
     }
     std::vector<Message> incoming;
     MPI_Request barrier = MPI_REQUEST_NULL;
@@ -45,8 +45,8 @@ std::vector<Message> exchange_sparse(const Comm& comm, const std::vector<Message
     }
     // A rank that is done may already send for its next exchange: keep the two apart.
     MPI_Barrier(mpi);
-    std::stable_sort(incoming.begin(), incoming.end(),
-                     [](const Message& a, const Message& b) { return a.rank < b.rank; });
+    std::stable_sort(
+        incoming.begin(), incoming.end(), [](const Message& a, const Message& b) { return a.rank < b.rank; });
     return incoming;
 }
 
@@ -66,13 +66,13 @@ void exchange_slices(const Comm& comm, const SlicedBuffer& send, const SlicedBuf
     };
     for (std::size_t k = 0; k < incoming.ranks.size(); ++k) {
         const auto [first, size] = slice(incoming, k);
-        MPI_Irecv(host_receive.data() + first, size, MPI_DOUBLE, incoming.ranks[k], slice_tag, mpi,
-                  &requests.emplace_back());
+        MPI_Irecv(
+            host_receive.data() + first, size, MPI_DOUBLE, incoming.ranks[k], slice_tag, mpi, &requests.emplace_back());
     }
     for (std::size_t k = 0; k < outgoing.ranks.size(); ++k) {
         const auto [first, size] = slice(outgoing, k);
-        MPI_Isend(host_send.data() + first, size, MPI_DOUBLE, outgoing.ranks[k], slice_tag, mpi,
-                  &requests.emplace_back());
+        MPI_Isend(
+            host_send.data() + first, size, MPI_DOUBLE, outgoing.ranks[k], slice_tag, mpi, &requests.emplace_back());
     }
     MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
     Kokkos::deep_copy(receive.buffer, host_receive);

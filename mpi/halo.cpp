@@ -142,9 +142,10 @@ struct Offset {
 };
 
 void shift_rows(const Array3& x, int first, int n, const Offset& by) {
-    Kokkos::parallel_for("treacle::shift_images", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) x(first + i, k) += by.along[k];
-    });
+    Kokkos::parallel_for(
+        "treacle::shift_images", n, KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) x(first + i, k) += by.along[k];
+        });
 }
 } // namespace
 
@@ -183,8 +184,11 @@ void Halo::gather(const ParticleStore& store, std::initializer_list<int> fields)
     column = 0;
     for (const int field : fields) {
         const auto& info = store.fields()[static_cast<std::size_t>(field)];
-        std::visit([&](const auto& view) { unpack_rows(view, store.owned(), n_receive, {receive_, width, column}); },
-                   info.array);
+        std::visit(
+            [&](const auto& view) {
+                unpack_rows(view, store.owned(), n_receive, {receive_, width, column});
+            },
+            info.array);
         column += components(info);
     }
 }
@@ -192,14 +196,17 @@ void Halo::gather(const ParticleStore& store, std::initializer_list<int> fields)
 namespace {
 // Rows [first, last) of the message onto their owners; within one slice each owner appears once.
 template <class View>
-void add_rows(const View& field, const Array<int>& rows, std::int64_t first, std::int64_t last, const BufferColumns& from) {
+void add_rows(
+    const View& field, const Array<int>& rows, std::int64_t first, std::int64_t last, const BufferColumns& from) {
     const int n = static_cast<int>(last - first);
-    Kokkos::parallel_for("treacle::add_rows", n, KOKKOS_LAMBDA(int k) { add_row(field, rows(first + k), from.row(first + k)); });
+    Kokkos::parallel_for(
+        "treacle::add_rows", n, KOKKOS_LAMBDA(int k) { add_row(field, rows(first + k), from.row(first + k)); });
 }
 
 template <class View>
 void pack_ghosts(const View& field, int first, int n, const BufferColumns& to) {
-    Kokkos::parallel_for("treacle::pack_ghosts", n, KOKKOS_LAMBDA(int k) { pack_row(field, first + k, to.row(k)); });
+    Kokkos::parallel_for(
+        "treacle::pack_ghosts", n, KOKKOS_LAMBDA(int k) { pack_row(field, first + k, to.row(k)); });
 }
 
 template <class Work>

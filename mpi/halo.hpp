@@ -46,7 +46,7 @@ private:
     ExchangePlan outgoing_, incoming_;
     std::vector<std::array<double, 3>> incoming_offset_; // [m] per incoming slice
     Array<int> rows_{"treacle::halo_rows", 0};           // owned rows that are sent, slice after slice
-    std::vector<int> chosen_; // the same on the host, while they are chosen
+    std::vector<int> chosen_;                            // the same on the host, while they are chosen
     Array<double> send_{"treacle::halo_send", 0};
     Array<double> receive_{"treacle::halo_receive", 0};
 };

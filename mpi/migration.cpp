@@ -55,16 +55,16 @@ struct Inside {
 };
 
 // Lists the rows that leave, in any order, and finds the block of cells of those that stay.
-Migration::Outcome find_leaving(const ParticleStore& store, const Decomposition& decomposition,
-                                const Array<int>& leave, const Array<int>& listed) {
+Migration::Outcome find_leaving(
+    const ParticleStore& store, const Decomposition& decomposition, const Array<int>& leave, const Array<int>& listed) {
     const auto grid = decomposition.grid();
     const auto box = decomposition.box();
     const Inside inside(grid, box);
     const auto x = store.position();
     Kokkos::deep_copy(listed, 0);
     int left = 0;
-    const auto bounds = reduce_bounds("treacle::find_leaving", 0, store.owned(), left,
-        KOKKOS_LAMBDA(int i, Bounds& around, int& count) {
+    const auto bounds = reduce_bounds(
+        "treacle::find_leaving", 0, store.owned(), left, KOKKOS_LAMBDA(int i, Bounds& around, int& count) {
             bool stays = inside.surely(x(i, 0), x(i, 1), x(i, 2));
             if (!stays) {
                 int c[3];
@@ -82,19 +82,22 @@ Migration::Outcome find_leaving(const ParticleStore& store, const Decomposition&
 }
 
 void find_owners(const ParticleStore& store, const Decomposition& decomposition, const Array<int>& rows, int n,
-                 const Array<int>& owner) {
+    const Array<int>& owner) {
     const auto grid = decomposition.grid();
     const auto tree = decomposition.tree();
     const auto x = store.position();
-    Kokkos::parallel_for("treacle::find_owners", n, KOKKOS_LAMBDA(int k) {
-        int c[3];
-        grid.locate(x(rows(k), 0), x(rows(k), 1), x(rows(k), 2), c);
-        owner(k) = tree.owner(c);
-    });
+    Kokkos::parallel_for(
+        "treacle::find_owners", n, KOKKOS_LAMBDA(int k) {
+            int c[3];
+            grid.locate(x(rows(k), 0), x(rows(k), 1), x(rows(k), 2), c);
+            owner(k) = tree.owner(c);
+        });
 }
 
 template <class View>
-auto first_of(const View& list, int n) { return Kokkos::subview(list, std::pair(0, n)); }
+auto first_of(const View& list, int n) {
+    return Kokkos::subview(list, std::pair(0, n));
+}
 } // namespace
 
 // Packs the rows that leave, by receiver, and closes the gaps. The migrants alone pass through the host.

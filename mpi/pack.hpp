@@ -70,13 +70,15 @@ struct BufferColumns {
 // Rows rows(k) of a field to a buffer, and back to rows first + k.
 template <class View>
 void pack_rows(const View& field, const Array<int>& rows, int n, const BufferColumns& to) {
-    Kokkos::parallel_for("treacle::pack", n, KOKKOS_LAMBDA(int k) { pack_row(field, rows(k), to.row(k)); });
+    Kokkos::parallel_for(
+        "treacle::pack", n, KOKKOS_LAMBDA(int k) { pack_row(field, rows(k), to.row(k)); });
 }
 
 // Words of n rows of the buffer, into the rows [first, first + n) of the field.
 template <class View>
 void unpack_rows(const View& field, int first, int n, const BufferColumns& from) {
-    Kokkos::parallel_for("treacle::unpack", n, KOKKOS_LAMBDA(int k) { unpack_row(field, first + k, from.row(k)); });
+    Kokkos::parallel_for(
+        "treacle::unpack", n, KOKKOS_LAMBDA(int k) { unpack_row(field, first + k, from.row(k)); });
 }
 
 } // namespace treacle

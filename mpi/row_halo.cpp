@@ -55,19 +55,19 @@ void RowHalo::start(std::span<const double> rows) {
     int count = 0;
     for (const auto& partner : from_) {
         MPI_Irecv(&values_[partner.first], static_cast<int>(partner.size), MPI_DOUBLE, partner.rank, row_tag, mpi,
-                  &request[count++]);
+            &request[count++]);
     }
     for (std::size_t k = 0; k < rows_.size(); ++k) outgoing_[k] = rows[static_cast<std::size_t>(rows_[k])];
     for (const auto& partner : to_) {
         MPI_Isend(&outgoing_[partner.first], static_cast<int>(partner.size), MPI_DOUBLE, partner.rank, row_tag, mpi,
-                  &request[count++]);
+            &request[count++]);
     }
 }
 
 std::span<const double> RowHalo::finish() {
     if (!requests_.empty()) {
-        MPI_Waitall(static_cast<int>(requests_.size()), reinterpret_cast<MPI_Request*>(requests_.data()),
-                    MPI_STATUSES_IGNORE);
+        MPI_Waitall(
+            static_cast<int>(requests_.size()), reinterpret_cast<MPI_Request*>(requests_.data()), MPI_STATUSES_IGNORE);
     }
     return values_;
 }

@@ -62,9 +62,10 @@ std::vector<Message> offers(const Comm& comm, const std::vector<Row>& rows, cons
 }
 
 void pack(const Array<float>& values, const Array<int>& rows, std::int64_t n, int width, const Array<double>& send) {
-    Kokkos::parallel_for("treacle::pack_shared", n, KOKKOS_LAMBDA(std::int64_t k) {
-        for (int c = 0; c < width; ++c) send(k * width + c) = values(std::int64_t(rows(k)) * width + c);
-    });
+    Kokkos::parallel_for(
+        "treacle::pack_shared", n, KOKKOS_LAMBDA(std::int64_t k) {
+            for (int c = 0; c < width; ++c) send(k * width + c) = values(std::int64_t(rows(k)) * width + c);
+        });
 }
 
 // Rows that other ranks have too; entries of a row in the order of its ranks, -1: this rank's own.
@@ -74,17 +75,18 @@ struct Copies {
 };
 
 void sum_copies(const Copies& copies, const Array<double>& receive, int width, const Array<float>& values) {
-    Kokkos::parallel_for("treacle::sum_shared", copies.count, KOKKOS_LAMBDA(int k) {
-        const std::int64_t row = std::int64_t(copies.row(k)) * width;
-        for (int c = 0; c < width; ++c) {
-            double sum = 0;
-            for (int e = copies.offset(k); e < copies.offset(k + 1); ++e) {
-                const int entry = copies.entry(e);
-                sum += entry < 0 ? values(row + c) : receive(std::int64_t(entry) * width + c);
+    Kokkos::parallel_for(
+        "treacle::sum_shared", copies.count, KOKKOS_LAMBDA(int k) {
+            const std::int64_t row = std::int64_t(copies.row(k)) * width;
+            for (int c = 0; c < width; ++c) {
+                double sum = 0;
+                for (int e = copies.offset(k); e < copies.offset(k + 1); ++e) {
+                    const int entry = copies.entry(e);
+                    sum += entry < 0 ? values(row + c) : receive(std::int64_t(entry) * width + c);
+                }
+                values(row + c) = static_cast<float>(sum);
             }
-            values(row + c) = static_cast<float>(sum);
-        }
-    });
+        });
 }
 } // namespace
 
@@ -127,7 +129,7 @@ void SharedNodeSum::connect(const Comm& comm, std::span<const std::int64_t> keys
     copied.erase(std::unique(copied.begin(), copied.end()), copied.end());
     for (const int row : copied) copies.push_back({row, comm.rank(), -1});
     std::sort(copies.begin(), copies.end(),
-              [](const Copy& a, const Copy& b) { return a.row != b.row ? a.row < b.row : a.rank < b.rank; });
+        [](const Copy& a, const Copy& b) { return a.row != b.row ? a.row < b.row : a.rank < b.rank; });
     std::vector<int> offsets, entries;
     for (std::size_t k = 0; k < copies.size(); ++k) {
         if (k == 0 || copies[k].row != copies[k - 1].row) offsets.push_back(static_cast<int>(k));

@@ -35,11 +35,11 @@ public:
 private:
     Comm comm_ = Comm::self();
     ExchangePlan slices_;
-    int copies_ = 0; // of rows
-    Array<int> rows_{"treacle::shared_rows", 0};      // what goes out and comes in, slice after slice
-    Array<int> copied_{"treacle::copied_rows", 0};    // the same rows, each once
-    Array<int> offsets_{"treacle::copy_offsets", 0};  // [copied + 1] into entries
-    Array<int> entries_{"treacle::copy_entries", 0};  // places in receive, by rank; -1: this rank's own
+    int copies_ = 0;                                 // of rows
+    Array<int> rows_{"treacle::shared_rows", 0};     // what goes out and comes in, slice after slice
+    Array<int> copied_{"treacle::copied_rows", 0};   // the same rows, each once
+    Array<int> offsets_{"treacle::copy_offsets", 0}; // [copied + 1] into entries
+    Array<int> entries_{"treacle::copy_entries", 0}; // places in receive, by rank; -1: this rank's own
     Array<float> first_{"treacle::first_copies", 0};
     Array<double> send_{"treacle::shared_send", 0}, receive_{"treacle::shared_receive", 0};
 };

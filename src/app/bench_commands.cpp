@@ -17,8 +17,8 @@ struct BenchWords {
 };
 
 void add_dam_break(CLI::App& app, BenchWords& words) {
-    auto* particles = app.add_option("--particles", words.request.particles,
-                                     "About; of a dam break (default 300000); weak: per rank");
+    auto* particles = app.add_option(
+        "--particles", words.request.particles, "About; of a dam break (default 300000); weak: per rank");
     particles->check(CLI::Range(std::int64_t{1000}, std::int64_t{4'000'000'000}))->type_name("NUMBER");
     app.add_option("--steps", words.request.steps, "Measured steps (default 8)")
         ->check(CLI::Range(1, 100000))
@@ -30,23 +30,26 @@ void add_dam_break(CLI::App& app, BenchWords& words) {
 
 void add_solves(CLI::App& app, BenchWords& words) {
     add_repeated(app, "--preconditioner", words.pressure.preconditioners,
-                 "One or several; pressure: default multilevel, multilevel_rediscretised, jacobi; viscosity: multilevel, boomeramg.");
+        "One or several; pressure: default multilevel, multilevel_rediscretised, jacobi; viscosity: multilevel, "
+        "boomeramg.");
     app.add_option("--residual", words.pressure.residuals,
-                   "Relative; pressure: one or several, default 1e-3 1e-4 1e-6; viscosity: the first, default 1e-8")
+           "Relative; pressure: one or several, default 1e-3 1e-4 1e-6; viscosity: the first, default 1e-8")
         ->check(CLI::Range(1e-14, 1.0))
         ->type_name("NUMBER");
-    app.add_option("--sweeps", words.pressure.sweeps,
-                   "pressure: also the preconditioner by itself, x += M r, that many times")
+    app.add_option(
+           "--sweeps", words.pressure.sweeps, "pressure: also the preconditioner by itself, x += M r, that many times")
         ->check(CLI::Range(1, 10000))
         ->type_name("NUMBER");
-    app.add_option("--cells", words.viscosity.cells, "viscosity: along each side of the cube, one or several; default 96")
+    app.add_option(
+           "--cells", words.viscosity.cells, "viscosity: along each side of the cube, one or several; default 96")
         ->check(CLI::Range(8, 1000))
         ->type_name("NUMBER");
-    app.add_option("--repeats", words.viscosity.repeats, "viscosity: solves of each case, whose median counts; default 1")
+    app.add_option(
+           "--repeats", words.viscosity.repeats, "viscosity: solves of each case, whose median counts; default 1")
         ->check(CLI::Range(1, 1000))
         ->type_name("NUMBER");
     app.add_option("--stiffness", words.viscosity.stiffness,
-                   "viscosity: nu dt/dx2, one or several, in place of 1e3 and 1e5 Pa s with dt 0.01 s")
+           "viscosity: nu dt/dx2, one or several, in place of 1e3 and 1e5 Pa s with dt 0.01 s")
         ->check(CLI::PositiveNumber)
         ->type_name("NUMBER");
 }
@@ -69,7 +72,7 @@ ExitCode run(const Comm& comm, const BenchWords& words) {
     }
     request.kind = words.kind == "weak"     ? BenchKind::weak
                    : words.kind == "strong" ? BenchKind::strong
-                                             : BenchKind::kernels;
+                                            : BenchKind::kernels;
     if (!words.scene.empty()) request.scene = find_scene(comm, words.scene);
     return run_bench(comm, request);
 }
@@ -79,9 +82,9 @@ void add_bench(CLI::App& program, Chosen& chosen) {
     auto words = std::make_shared<BenchWords>();
     auto& app = *program.add_subcommand("bench", "What a step costs on this machine, under mpirun on all ranks.");
     app.add_option("kind", words->kind,
-                   "kernels: each phase against a product with the pressure matrix; strong or weak: the same, for "
-                   "comparing numbers of ranks, with JSON in the last line; pressure: iterations and work of the "
-                   "pressure solve by preconditioner and residual; viscosity: of the viscous solve of method: grid")
+           "kernels: each phase against a product with the pressure matrix; strong or weak: the same, for "
+           "comparing numbers of ranks, with JSON in the last line; pressure: iterations and work of the "
+           "pressure solve by preconditioner and residual; viscosity: of the viscous solve of method: grid")
         ->required()
         ->check(CLI::IsMember({"kernels", "strong", "weak", "pressure", "viscosity"}))
         ->type_name("KIND");

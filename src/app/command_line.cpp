@@ -22,7 +22,7 @@ void add_commands(CLI::App& program, Chosen& chosen, const Words& arguments) {
     add_export(program, chosen);
     add_render(program, chosen);
     add_study_commands(program, {[&chosen](std::function<Command()> make) { chosen.make = std::move(make); },
-                                 [&chosen](std::function<ExitCode()> alone) { chosen.alone = std::move(alone); }});
+                                    [&chosen](std::function<ExitCode()> alone) { chosen.alone = std::move(alone); }});
     add_video_commands(program, [&chosen](std::function<Command()> make) { chosen.make = std::move(make); });
     add_calibrate(program, chosen);
     add_bench(program, chosen);
@@ -70,7 +70,7 @@ std::string suggestion(const std::string& word, const Words& known) {
 InputError unknown_command(const std::string& word, const Words& known) {
     const auto close = suggestion(word, known);
     return InputError({"treacle", word + " is no command" + (close.empty() ? "" : "; " + close),
-                       "there are " + join(known, ", "), "`treacle --help` describes them"});
+        "there are " + join(known, ", "), "`treacle --help` describes them"});
 }
 
 InputError explain(const CLI::App& app, const CLI::ParseError& error) {

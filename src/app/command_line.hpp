@@ -12,7 +12,7 @@ namespace treacle::app {
 struct CommandLine {
     std::string petsc;                            // options for PETSc
     std::function<ExitCode(const Comm&)> command; // collective
-    std::function<ExitCode()> alone;              // in its place where neither MPI nor a launcher is there: it starts processes
+    std::function<ExitCode()> alone; // in its place where neither MPI nor a launcher is there: it starts processes
 };
 
 // Commands that may do without MPI: whether the arguments name one.

@@ -15,11 +15,11 @@ std::filesystem::path find_scene(const Comm& comm, const std::string& name) {
     std::filesystem::path path = name;
     comm.guard_root([&] {
         const auto in_folder = [&](const char* name) { return std::filesystem::exists(path / name); };
-        if (std::filesystem::is_directory(path)) path /= in_folder("study.yaml") && !in_folder("scene.yaml") ? "study.yaml" : "scene.yaml";
+        if (std::filesystem::is_directory(path))
+            path /= in_folder("study.yaml") && !in_folder("scene.yaml") ? "study.yaml" : "scene.yaml";
         if (std::filesystem::exists(path)) return;
-        throw InputError({path.string(), "there is no such file",
-                          "a scene is a YAML file, or a folder with scene.yaml",
-                          "`treacle schema` describes it"});
+        throw InputError({path.string(), "there is no such file", "a scene is a YAML file, or a folder with scene.yaml",
+            "`treacle schema` describes it"});
     });
     return comm.broadcast(path.string());
 }
@@ -33,17 +33,16 @@ void add_repeated(CLI::App& app, const std::string& name, Words& values, const s
 }
 
 void add_source(CLI::App& app, SourceWords& words) {
-    app.add_option("scene", words.scene, "YAML file, or a folder with scene.yaml")
-        ->required()
-        ->type_name("SCENE");
+    app.add_option("scene", words.scene, "YAML file, or a folder with scene.yaml")->required()->type_name("SCENE");
     add_repeated(app, "--set", words.overrides, "Override a key of the scene: a.b.c=value.");
     add_repeated(app, "--data", words.data, "Folder in which meshes are looked up.");
 }
 
 void add_materials(CLI::App& app, SourceWords& words) {
     add_repeated(app, "--material", words.materials,
-                 "Give a liquid of the scene what `treacle identify` found, from its result.yaml: FILE; FILE:NAME where that has several "
-                 "liquids; LIQUID=FILE where the scene has. What --set says counts more.");
+        "Give a liquid of the scene what `treacle identify` found, from its result.yaml: FILE; FILE:NAME where that "
+        "has several "
+        "liquids; LIQUID=FILE where the scene has. What --set says counts more.");
 }
 
 void add_petsc(CLI::App& app, Chosen& chosen) {

@@ -125,7 +125,8 @@ void write_layer(const LayerPlaces& layer, const NewParticles& to, int first) {
 }
 } // namespace
 
-void InletEmitter::add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const {
+void InletEmitter::add(
+    ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const {
     const auto& from = setup_.inlets[layer.inlet];
     LayerPlaces places{points_[layer.inlet], {}, box_, grid, own};
     NewParticles to{};

@@ -79,7 +79,8 @@ public:
     };
     // Appends the particles of one layer that lie in a rank's own cells, with the inlet's
     // velocity; all other state is zero. Ghosts are dropped.
-    void add(ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const;
+    void add(
+        ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const;
 
 private:
     std::int64_t id_of(std::size_t inlet, std::int64_t layer) const;

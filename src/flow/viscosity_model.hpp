@@ -11,17 +11,15 @@ struct ViscosityModel {
     double viscosity = 0; // [Pa s] newtonian; at 1/s: power law, Herschel-Bulkley; at rest: Carreau, Cross
     double exponent = 1;  // n; of Cross m
     double infinite_shear_viscosity = 0; // [Pa s]
-    double relaxation_time = 0;    // [s]
-    double yield_stress = 0;       // [Pa]
-    double regularisation = 0;     // [s]
-    double least_rate = 0;         // [1/s]
+    double relaxation_time = 0;          // [s]
+    double yield_stress = 0;             // [Pa]
+    double regularisation = 0;           // [s]
+    double least_rate = 0;               // [1/s]
 
     KOKKOS_INLINE_FUNCTION double operator()(double rate) const {
         switch (law) {
-        case scene::ViscosityModelKind::newtonian:
-            return viscosity;
-        case scene::ViscosityModelKind::power_law:
-            return power(rate);
+        case scene::ViscosityModelKind::newtonian: return viscosity;
+        case scene::ViscosityModelKind::power_law: return power(rate);
         case scene::ViscosityModelKind::carreau: {
             const double x = relaxation_time * rate;
             return infinite_shear_viscosity +

@@ -8,9 +8,9 @@
 namespace treacle::grid {
 
 namespace {
-constexpr double min_liquid_fraction = 1e-3;   // share of a face's cube from which its velocity is that of liquid
-constexpr int most_closings = 4;     // times that gaps that close are solved for
-constexpr int most_separations = 4;  // times that liquid which separates is solved for
+constexpr double min_liquid_fraction = 1e-3; // share of a face's cube from which its velocity is that of liquid
+constexpr int most_closings = 4;             // times that gaps that close are solved for
+constexpr int most_separations = 4;          // times that liquid which separates is solved for
 
 void add_cost(const solve::SolveReport& of, solve::SolveReport& to) {
     to.iterations += of.iterations;
@@ -38,8 +38,8 @@ void GridStep::project(StepReport& report, double dt, Pressure::SurfaceTension s
 void GridStep::find_viscosities_by_rate() {
     const bool slides = slip_.any();
     const StrainContext scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
-                            slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
-                            dt_ > 0 ? before_ / dt_ : 0.0, no_slip().any_moves() ? &no_slip() : nullptr};
+        slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
+        dt_ > 0 ? before_ / dt_ : 0.0, no_slip().any_moves() ? &no_slip() : nullptr};
     halo_.gather(particles_.store, {particles_.viscosity_field()});
     rheology_.compute_rates(scene, start_);
     rheology_.find_viscosities(scene, {particles_, cells_, particle_mass_}, viscosities_);
@@ -55,7 +55,8 @@ void GridStep::find_viscosities() {
     const auto n = static_cast<std::size_t>(window.size());
     if (setup_.viscosity_varies) {
         halo_.gather(particles_.store, {particles_.viscosity_field()});
-        harmonic_viscosities(grid_, {particles_, cells_, particle_mass_}, window, viscosities_.cell, viscosities_.edge); // (R3)
+        harmonic_viscosities(
+            grid_, {particles_, cells_, particle_mass_}, window, viscosities_.cell, viscosities_.edge); // (R3)
         auto& edge = viscosities_.edge.axis;
         if (grid_.dimensions == 2) {
             cells_halo_.gather({viscosities_.cell, edge[2]});
@@ -64,7 +65,8 @@ void GridStep::find_viscosities() {
         }
         return;
     }
-    for (auto* array : {&viscosities_.cell, &viscosities_.edge.axis[0], &viscosities_.edge.axis[1], &viscosities_.edge.axis[2]}) {
+    for (auto* array :
+        {&viscosities_.cell, &viscosities_.edge.axis[0], &viscosities_.edge.axis[1], &viscosities_.edge.axis[2]}) {
         if (array->extent(0) >= n && n > 0) continue;
         reserve(*array, n);
         Kokkos::deep_copy(*array, setup_.viscosity);
@@ -79,7 +81,7 @@ ViscousScene GridStep::viscous_scene() {
     }
     find_viscosities();
     return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-            slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip()};
+        slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip()};
 }
 
 SlipAreas GridStep::slip_areas() const {
@@ -89,7 +91,8 @@ SlipAreas GridStep::slip_areas() const {
 
 PressureContext GridStep::pressure_context() {
     return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
-            tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_, &curvature_.at_centres()};
+        tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_,
+        &curvature_.at_centres()};
 }
 
 // (V)
@@ -107,7 +110,8 @@ void GridStep::apply_viscosity(StepReport& report, double dt) {
 
 // True when the set of gaps that close has changed by the last solve, or by the first one, in which all were open.
 bool GridStep::gaps_change(bool first) {
-    const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_context()), velocity_, distance_, slip_areas()};
+    const Closing::Scene scene{grid_, cells_halo_, cells_, fractions_, solids_, pressure_.describe(pressure_context()),
+        velocity_, distance_, slip_areas()};
     const bool released = !first && closing_.release(comm_, scene, pressure_.last());
     return closing_.find(comm_, scene, dt_) || released;
 }
@@ -131,7 +135,7 @@ void GridStep::go_back(StepReport& report) {
 // Separation from walls above after the first projection of a step; returns whether any cell separates anew. Collective.
 bool GridStep::separates() {
     return separation_.find(comm_, {cells_halo_, pressure_.system(), pressure_.pressures(), distance_,
-                                    pressure_.components().closed_rows(), setup_.domain.gravity, grid_.dx});
+                                       pressure_.components().closed_rows(), setup_.domain.gravity, grid_.dx});
 }
 
 // (P), (L)
@@ -192,9 +196,9 @@ double GridStep::largest_viscosity() const {
     if (!setup_.viscosity_varies && !rheology_.any()) return setup_.viscosity;
     const auto viscosity = particles_.viscosity();
     double most = 0;
-    Kokkos::parallel_reduce("treacle::largest_viscosity", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& value) {
-        value = math::max(value, viscosity(i));
-    }, Kokkos::Max<double>(most));
+    Kokkos::parallel_reduce(
+        "treacle::largest_viscosity", particles_.store.owned(),
+        KOKKOS_LAMBDA(int i, double& value) { value = math::max(value, viscosity(i)); }, Kokkos::Max<double>(most));
     return comm_.max(particles_.store.owned() > 0 ? most : 0.0);
 }
 

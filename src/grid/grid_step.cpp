@@ -11,17 +11,19 @@
 namespace treacle::grid {
 
 namespace {
-constexpr double least_depth = 0.05; // widths, of the centre of a cell with a drop or a sheet thinner than it
+constexpr double least_depth = 0.05;   // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double longest_growth = 1.5; // of a step over the one before it
-constexpr int layers = 3;  // of halo: what linear interpolation and a step of CFL 3 reach
+constexpr int layers = 3;              // of halo: what linear interpolation and a step of CFL 3 reach
 } // namespace
 
 GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     : comm_(comm), setup_(setup), grid_(make_mac_grid(setup.domain)), bodies_(setup.rigid),
-      decomposition_(comm, grid_.cells), load_balance_(setup.options.max_load_imbalance), source_(make_inlet_emitter(setup.inflow, grid_)),
+      decomposition_(comm, grid_.cells), load_balance_(setup.options.max_load_imbalance),
+      source_(make_inlet_emitter(setup.inflow, grid_)),
       outlets_(flow::make_outlets(setup.inflow.outlets, grid_.dimensions)), solids_(grid_, setup.domain),
       slip_(grid_, setup.domain, setup.slip), resting_(grid_, setup.domain, setup.rigid.bodies.size()),
-      no_slip_(grid_, setup.domain, setup.rigid.bodies.size()), rheology_(setup.rheology), tensions_(setup.surface_tension),
+      no_slip_(grid_, setup.domain, setup.rigid.bodies.size()), rheology_(setup.rheology),
+      tensions_(setup.surface_tension),
       pressure_(comm, setup.options.pressure, setup.options.coupling, grid_.dimensions),
       viscosity_(comm, setup.options.viscosity, setup.options.coupling), stokes_(comm, setup.options.stokes),
       correction_(grid_) {
@@ -92,7 +94,8 @@ void GridStep::place_particles() {
 // (A3)
 void GridStep::particles_to_grid() {
     auto& p = particles_;
-    halo_.gather(p.store, {p.velocity_field(), p.affine_field(0), p.affine_field(1), p.affine_field(2), p.liquid_field()});
+    halo_.gather(
+        p.store, {p.velocity_field(), p.affine_field(0), p.affine_field(1), p.affine_field(2), p.liquid_field()});
     particles_to_faces(grid_, {p, cells_, particle_mass_}, cells_halo_.window(), mass_, velocity_);
     gather_faces(grid_, cells_halo_, mass_);
     gather_faces(grid_, cells_halo_, velocity_);
@@ -108,26 +111,28 @@ void GridStep::sample_level_set_at_centres() {
     const auto& nodes = solids_.nodes();
     const int middle = grid_.dimensions == 2 ? 3 : 7, dimensions = grid_.dimensions;
     const auto fine = level_set_.distance(), centre = distance_;
-    Kokkos::parallel_for("treacle::centre_distance", static_cast<int>(nodes.window.size()),
-                         KOKKOS_LAMBDA(int i) { centre(i) = fine(FineNodes::per_cell * i + middle); });
+    Kokkos::parallel_for(
+        "treacle::centre_distance", static_cast<int>(nodes.window.size()),
+        KOKKOS_LAMBDA(int i) { centre(i) = fine(FineNodes::per_cell * i + middle); });
     const auto faces = pressure_faces(cells_halo_.window(), dimensions);
     const CellBox owned = cells_halo_.owned();
     const CellList cells = cells_;
     const double thin = -least_depth * grid_.dx;
-    Kokkos::parallel_for("treacle::thin_liquid", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        owned.cell(i, c);
-        const int here = cells.window.index(c[0], c[1], c[2]), at = faces.window.index(c[0], c[1], c[2]);
-        if (cells.end(here) == cells.begin(here)) return;
-        bool seen = centre(at) < 0;
-        for (int a = 0; a < dimensions; ++a) {
-            for (int side = -1; side <= 1; side += 2) {
-                const int next = at + side * static_cast<int>(faces.stride[a]);
-                seen = seen || fine(FineNodes::per_cell * next + middle) < 0;
+    Kokkos::parallel_for(
+        "treacle::thin_liquid", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            owned.cell(i, c);
+            const int here = cells.window.index(c[0], c[1], c[2]), at = faces.window.index(c[0], c[1], c[2]);
+            if (cells.end(here) == cells.begin(here)) return;
+            bool seen = centre(at) < 0;
+            for (int a = 0; a < dimensions; ++a) {
+                for (int side = -1; side <= 1; side += 2) {
+                    const int next = at + side * static_cast<int>(faces.stride[a]);
+                    seen = seen || fine(FineNodes::per_cell * next + middle) < 0;
+                }
             }
-        }
-        if (!seen) centre(at) = thin;
-    });
+            if (!seen) centre(at) = thin;
+        });
     cells_halo_.gather({distance_});
 }
 
@@ -136,7 +141,8 @@ void GridStep::update_geometry() {
     solids_.update(cells_halo_, bodies_);
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
     sample_level_set_at_centres();
-    fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions, fractions_, solids_.walls());
+    fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions,
+        fractions_, solids_.walls());
     resting_.find(solids_, fraction_builder_, bodies_);
     if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are read
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
@@ -147,7 +153,8 @@ void GridStep::update_geometry() {
         }
         return;
     }
-    fraction_builder_.build_body_shares(solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
+    fraction_builder_.build_body_shares(
+        solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
     if (slip_.any()) closed_centres_.find(solids_.nodes(), solids_.distance());
 }
 
@@ -156,7 +163,9 @@ void GridStep::find_strains(double dt) {
     strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
     closing_.clear(cells_halo_);
     separation_.clear();
-    if (relaxes_density()) density_relaxation_.find(setup_.options.density_relaxation, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
+    if (relaxes_density())
+        density_relaxation_.find(
+            setup_.options.density_relaxation, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
     find_inflow(fractions_.open);
 }
 
@@ -166,12 +175,13 @@ void GridStep::find_inflow(const FaceField& open) {
     reserve(inflow_, static_cast<std::size_t>(window.size()));
     const auto out = inflow_, more = density_relaxation_.inflow(), closes = closing_.inflow();
     const bool relaxes_density = more.extent(0) > 0;
-    Kokkos::parallel_for("treacle::inflow", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
-        int c[3];
-        owned.cell(n, c);
-        const int i = window.index(c[0], c[1], c[2]);
-        out(i) = closes(i) >= 0 ? closes(i) : relaxes_density ? more(i) : 0.0;
-    });
+    Kokkos::parallel_for(
+        "treacle::inflow", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            owned.cell(n, c);
+            const int i = window.index(c[0], c[1], c[2]);
+            out(i) = closes(i) >= 0 ? closes(i) : relaxes_density ? more(i) : 0.0;
+        });
     strains_.add_flux(grid_, cells_halo_, open, inflow_);
 }
 
@@ -193,7 +203,8 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     if (balances()) balance_.begin(comm_, balance_scene(), bodies_);
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
     balance_momentum(report, times.kick);                                   // (M)
-    times.drift = report.dt = std::min(times.drift, (setup_.options.cfl + 1) * grid_.dx / fastest(particles_.velocity()));
+    times.drift = report.dt =
+        std::min(times.drift, (setup_.options.cfl + 1) * grid_.dx / fastest(particles_.velocity()));
     const double dt = times.drift;
     subtract_faces(grid_, cells_halo_.window(), velocity_, start_, scratch_);
     end_velocities(grid_, cells_halo_.window(), scratch_, times, particles_); // (E)
@@ -202,7 +213,7 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     bodies_.move(dt);
     if (bodies_.any_moves()) solids_.update(cells_halo_, bodies_);
     const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
-                        make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
+        make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
     const auto gone = advect(how, particles_, dt); // (A5)
     report.projected_out = gone.projected_out;
     report.imbalance = load_imbalance(comm_, particles_.store.owned());
@@ -220,8 +231,8 @@ void GridStep::correct(StepReport& report) {
     solids_.update(cells_halo_, bodies_);
     halo_.gather(particles_.store, {particles_.liquid_field()});
     const auto& g = setup_.domain.gravity;
-    report.correction = correction_.apply(options.correction, particles_,
-                                          {cells_, halo_, comm_, solids_, particle_mass_, {g[0], g[1], g[2]}});
+    report.correction = correction_.apply(
+        options.correction, particles_, {cells_, halo_, comm_, solids_, particle_mass_, {g[0], g[1], g[2]}});
     max_density_error_ = report.correction.density_after;
 }
 
@@ -294,9 +305,12 @@ void GridStep::collect(StepReport& report) {
 // Collective: the largest size of a vector of the particles.
 double GridStep::fastest(const Array3& of) const {
     double square = 0;
-    Kokkos::parallel_reduce("treacle::fastest", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& most) {
-        most = math::max(most, of(i, 0) * of(i, 0) + of(i, 1) * of(i, 1) + of(i, 2) * of(i, 2));
-    }, Kokkos::Max<double>(square));
+    Kokkos::parallel_reduce(
+        "treacle::fastest", particles_.store.owned(),
+        KOKKOS_LAMBDA(int i, double& most) {
+            most = math::max(most, of(i, 0) * of(i, 0) + of(i, 1) * of(i, 1) + of(i, 2) * of(i, 2));
+        },
+        Kokkos::Max<double>(square));
     return comm_.max(particles_.store.owned() > 0 ? std::sqrt(square) : 0.0);
 }
 
@@ -326,10 +340,11 @@ std::size_t GridStep::bytes() const {
     std::size_t numbers = distance_.span() + viscosities_.cell.span();
     for (int a = 0; a < 3; ++a) {
         for (const auto* field : {&mass_, &velocity_, &scratch_, &fractions_.face_fluid, &fractions_.face_liquid,
-                                  &fractions_.face_liquid_clipped, &fractions_.open}) {
+                 &fractions_.face_liquid_clipped, &fractions_.open}) {
             numbers += field->axis[a].span();
         }
-        for (const auto* field : {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_liquid_clipped}) {
+        for (const auto* field :
+            {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_liquid_clipped}) {
             numbers += field->axis[a].span();
         }
     }
@@ -337,8 +352,8 @@ std::size_t GridStep::bytes() const {
     numbers += level_set_.distance().span() + 2 * solids_.distance().span();
     return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
            tensions_.bytes() + curvature_.bytes() + density_relaxation_.bytes() + resting_.bytes() + no_slip_.bytes() +
-           resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + separation_.bytes() + closing_.bytes() +
-           closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
+           resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + separation_.bytes() +
+           closing_.bytes() + closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
 }
 
 } // namespace treacle::grid

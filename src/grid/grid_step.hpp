@@ -12,12 +12,12 @@
 #include "grid/pressure/resting_solids.hpp"
 #include "grid/pressure/separation.hpp"
 #include "grid/pressure/wall_pressures.hpp"
+#include "grid/rheology/rheology.hpp"
 #include "grid/surface_tension/curvature.hpp"
 #include "grid/surface_tension/tension.hpp"
 #include "grid/transport/face_fields.hpp"
 #include "grid/transport/synchronise.hpp"
 #include "grid/unified/stokes.hpp"
-#include "grid/rheology/rheology.hpp"
 #include "grid/viscosity/slip_geometry.hpp"
 #include "grid/viscosity/step_strains.hpp"
 #include "grid/viscosity/viscosity.hpp"
@@ -36,31 +36,31 @@ namespace treacle::grid {
 struct GridSetup {
     GridOptions options;
     scene::Domain domain;
-    double density = 1000;          // [kg/m3] of all liquids
+    double density = 1000; // [kg/m3] of all liquids
     int liquids = 1;
-    std::vector<double> surface_tension; // [liquids] against air [N/m]; none: no liquid has any
-    double viscosity = 0;           // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
-    bool viscosity_varies = false;  // then each particle has its own
+    std::vector<double> surface_tension;        // [liquids] against air [N/m]; none: no liquid has any
+    double viscosity = 0;                       // [Pa s] of all liquid, unless it varies; 0: without a viscous solve
+    bool viscosity_varies = false;              // then each particle has its own
     std::vector<flow::ViscosityModel> rheology; // [liquids]; empty: no viscosity depends on the shear rate
-    rigid::BodiesSetup rigid;       // all bodies, those at rest as well
-    SlipSetup slip;                 // of all of them
-    flow::InflowSetup inflow;       // the plugs of its inlets are among the bodies (inflow.hpp)
+    rigid::BodiesSetup rigid;                   // all bodies, those at rest as well
+    SlipSetup slip;                             // of all of them
+    flow::InflowSetup inflow;                   // the plugs of its inlets are among the bodies (inflow.hpp)
 };
 
 // Results of one step.
 struct StepReport {
-    double dt = 0; // [s]
-    PressureReport pressure;        // of the first projection; iterations of both
+    double dt = 0;           // [s]
+    PressureReport pressure; // of the first projection; iterations of both
     ViscosityReport viscosity;
-    StokesReport stokes;            // of both together
-    PositionReport correction;      // of the last step that had one
+    StokesReport stokes;               // of both together
+    PositionReport correction;         // of the last step that had one
     std::vector<double> loads;         // [body][6] by pressure, mean of the step [N], [N m]
     std::vector<double> viscous_loads; // by viscosity; both of bodies that move
     // The same of solids at rest, torques about the origin: the six sides of the domain, then all bodies, 0 where they move.
     std::vector<double> resting_loads, resting_viscous_loads;
-    std::int64_t projected_out = 0;        // particles moved out of solids, over all ranks
-    double imbalance = 1;           // largest over mean number of particles per rank
-    std::vector<LostParticle> lost; // of this rank, but for what flowed out
+    std::int64_t projected_out = 0;                        // particles moved out of solids, over all ranks
+    double imbalance = 1;                                  // largest over mean number of particles per rank
+    std::vector<LostParticle> lost;                        // of this rank, but for what flowed out
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
 };
 
@@ -219,7 +219,7 @@ private:
     EndMotion end_motion_;
     MomentumBalance balance_;
     std::int64_t steps_ = 0;
-    double before_ = 0, dt_ = 0; // [s] length of the last step, 0: there was none; of this one
+    double before_ = 0, dt_ = 0;   // [s] length of the last step, 0: there was none; of this one
     double max_density_error_ = 0; // largest density error that the last position correction left
 };
 

@@ -55,7 +55,8 @@ std::array<double, 9> GridStep::sums(const Array3& velocity) const {
     loop.mass = particle_mass_;
     std::array<double, TotalsLoop::count> sums{};
     Kokkos::parallel_reduce("treacle::grid_totals", p.store.owned(), loop,
-                            Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(sums.data(), TotalsLoop::count));
+        Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(
+            sums.data(), TotalsLoop::count));
     comm_.sum(std::span<double>(sums));
     // 2D scenes: per metre of depth.
     if (grid_.dimensions == 2) std::ranges::for_each(sums, [&](double& sum) { sum /= grid_.dx; });
@@ -86,9 +87,11 @@ LiquidTotals GridStep::totals() const {
     const auto& momentum = end_motion_.liquid();
     const auto u = p.end_velocity();
     double fastest = 0;
-    Kokkos::parallel_reduce("treacle::fastest", n, KOKKOS_LAMBDA(int i, double& most) {
-        most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
-    }, Kokkos::Max<double>(fastest));
+    Kokkos::parallel_reduce(
+        "treacle::fastest", n,
+        KOKKOS_LAMBDA(
+            int i, double& most) { most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2)); },
+        Kokkos::Max<double>(fastest));
     LiquidTotals out;
     out.particles = comm_.sum(static_cast<std::int64_t>(n));
     for (std::size_t k = 0; k < 3; ++k) {

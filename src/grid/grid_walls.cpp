@@ -19,7 +19,8 @@ WallMomentum::Scene GridStep::wall_scene() {
 void GridStep::show_pressures() {
     const auto& g = setup_.domain.gravity;
     const double rho = setup_.density;
-    wall_pressures_.find({grid_, cells_halo_, pressure_.system(), solids_, pressure_.pressures(), {rho * g[0], rho * g[1], rho * g[2]}});
+    wall_pressures_.find(
+        {grid_, cells_halo_, pressure_.system(), solids_, pressure_.pressures(), {rho * g[0], rho * g[1], rho * g[2]}});
     pressures_to_particles(grid_, cells_halo_.window(), wall_pressures_.at_centres(), particles_);
 }
 

@@ -25,8 +25,8 @@ struct GridOptions {
     AdvectionOptions advection;
     PositionOptions correction;
     DensityRelaxationOptions density_relaxation;
-    int correction_every = 1;      // steps
-    int band = 4;                  // cells of the active block around liquid
+    int correction_every = 1;         // steps
+    int band = 4;                     // cells of the active block around liquid
     double max_load_imbalance = 1.15; // largest over mean load of the ranks
 
     void declare(Declaration& d); // keys of `method`

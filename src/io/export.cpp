@@ -25,9 +25,7 @@ struct Column {
     const std::vector<double>* positions;
     Number stored;
 
-    const std::vector<double>* reals() const {
-        return positions ? positions : std::get_if<std::vector<double>>(field);
-    }
+    const std::vector<double>* reals() const { return positions ? positions : std::get_if<std::vector<double>>(field); }
     const std::vector<std::int64_t>& integers() const { return std::get<std::vector<std::int64_t>>(*field); }
 };
 
@@ -54,22 +52,17 @@ void put(std::ostream& out, T value) {
 void put_number(std::ostream& out, const Column& column, std::size_t i) {
     const auto* reals = column.reals();
     switch (column.stored) {
-    case Number::float32:
-        return put(out, static_cast<float>((*reals)[i]));
-    case Number::float64:
-        return put(out, reals ? (*reals)[i] : static_cast<double>(column.integers()[i]));
-    case Number::int32:
-        return put(out, static_cast<std::int32_t>(column.integers()[i]));
-    case Number::int64:
-        return put(out, column.integers()[i]);
+    case Number::float32: return put(out, static_cast<float>((*reals)[i]));
+    case Number::float64: return put(out, reals ? (*reals)[i] : static_cast<double>(column.integers()[i]));
+    case Number::int32: return put(out, static_cast<std::int32_t>(column.integers()[i]));
+    case Number::int64: return put(out, column.integers()[i]);
     }
 }
 
 std::string digits(double value, Number stored) {
     char text[64];
-    const auto end = stored == Number::float32
-                         ? std::to_chars(text, text + sizeof text, static_cast<float>(value)).ptr
-                         : std::to_chars(text, text + sizeof text, value).ptr;
+    const auto end = stored == Number::float32 ? std::to_chars(text, text + sizeof text, static_cast<float>(value)).ptr
+                                               : std::to_chars(text, text + sizeof text, value).ptr;
     return {text, end};
 }
 
@@ -79,8 +72,8 @@ void write_csv(std::ostream& out, const Frame& frame) {
     for (const auto& column : columns)
         for (int c = 0; c < column.components; ++c) {
             if (!line.empty()) line += ',';
-            line += (column.positions ? std::string(1, "xyz"[c]) : component_name(column, c)) + " [" +
-                    column.unit + "]";
+            line +=
+                (column.positions ? std::string(1, "xyz"[c]) : component_name(column, c)) + " [" + column.unit + "]";
         }
     out << line << '\n';
     for (std::size_t p = 0; p < static_cast<std::size_t>(frame.size()); ++p) {
@@ -89,8 +82,8 @@ void write_csv(std::ostream& out, const Frame& frame) {
             for (int c = 0; c < column.components; ++c) {
                 const auto i = p * static_cast<std::size_t>(column.components) + static_cast<std::size_t>(c);
                 if (!line.empty()) line += ',';
-                line += column.reals() ? digits((*column.reals())[i], column.stored)
-                                       : std::to_string(column.integers()[i]);
+                line +=
+                    column.reals() ? digits((*column.reals())[i], column.stored) : std::to_string(column.integers()[i]);
             }
         out << line << '\n';
     }
@@ -104,9 +97,8 @@ Number ply_type(const std::filesystem::path& path, const Column& column) {
     for (const auto value : column.integers()) {
         if (value > exact || value < -exact)
             throw InputError(Diagnostic{path.string(), "field " + column.name + " does not fit into ply",
-                                        "its integers exceed 2^53", "export to vtp or csv"});
-        if (value > std::numeric_limits<std::int32_t>::max() ||
-            value < std::numeric_limits<std::int32_t>::min())
+                "its integers exceed 2^53", "export to vtp or csv"});
+        if (value > std::numeric_limits<std::int32_t>::max() || value < std::numeric_limits<std::int32_t>::min())
             type = Number::float64;
     }
     return type;
@@ -114,8 +106,7 @@ Number ply_type(const std::filesystem::path& path, const Column& column) {
 
 void write_ply(const std::filesystem::path& path, std::ostream& out, const Frame& frame) {
     auto columns = columns_of(frame);
-    out << "ply\nformat binary_little_endian 1.0\ncomment time " << digits(frame.time, Number::float64)
-        << " s\n";
+    out << "ply\nformat binary_little_endian 1.0\ncomment time " << digits(frame.time, Number::float64) << " s\n";
     for (auto& column : columns) {
         column.stored = ply_type(path, column);
         out << "comment unit " << column.name << " " << column.unit << '\n';
@@ -133,8 +124,7 @@ void write_ply(const std::filesystem::path& path, std::ostream& out, const Frame
     for (std::size_t p = 0; p < static_cast<std::size_t>(frame.size()); ++p)
         for (const auto& column : columns)
             for (int c = 0; c < column.components; ++c)
-                put_number(out, column,
-                           p * static_cast<std::size_t>(column.components) + static_cast<std::size_t>(c));
+                put_number(out, column, p * static_cast<std::size_t>(column.components) + static_cast<std::size_t>(c));
 }
 
 std::string xml_text(const std::string& text) {
@@ -157,7 +147,7 @@ class Appended {
 public:
     explicit Appended(std::ostream& out) : out_(out) {}
     void declare(const std::string& type, const std::string& name, int components, std::uint64_t bytes,
-                 const std::string& unit = "") {
+        const std::string& unit = "") {
         out_ << "<DataArray type=\"" << type << "\" Name=\"" << xml_text(name) << "\" NumberOfComponents=\""
              << components << "\" format=\"appended\" offset=\"" << offset_ << '"';
         if (!unit.empty()) out_ << " unit=\"" << xml_text(unit) << '"';
@@ -189,15 +179,14 @@ void write_vtp(std::ostream& out, const Frame& frame) {
     const auto n = static_cast<std::uint64_t>(frame.size());
     Appended appended(out);
     const auto declare = [&](const Column& column) {
-        appended.declare(vtk_type(column.stored).name, column.name, column.components, byte_count(column, n),
-                         column.unit);
+        appended.declare(
+            vtk_type(column.stored).name, column.name, column.components, byte_count(column, n), column.unit);
     };
     out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
            "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" "
            "NumberOfTuples=\"1\" format=\"ascii\">"
         << digits(frame.time, Number::float64) << "</DataArray>\n</FieldData>\n<Piece NumberOfPoints=\"" << n
-        << "\" NumberOfVerts=\"" << n
-        << "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n";
+        << "\" NumberOfVerts=\"" << n << "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n";
     declare(columns[0]);
     out << "</Points>\n<Verts>\n";
     appended.declare("Int64", "connectivity", 1, n * 8);
@@ -208,8 +197,7 @@ void write_vtp(std::ostream& out, const Frame& frame) {
 
     const auto put_column = [&](const Column& column) {
         put(out, byte_count(column, n));
-        for (std::size_t i = 0; i < n * static_cast<std::size_t>(column.components); ++i)
-            put_number(out, column, i);
+        for (std::size_t i = 0; i < n * static_cast<std::size_t>(column.components); ++i) put_number(out, column, i);
     };
     put_column(columns[0]);
     put(out, n * 8);
@@ -220,15 +208,11 @@ void write_vtp(std::ostream& out, const Frame& frame) {
     out << "\n</AppendedData>\n</VTKFile>\n";
 }
 
-void write_stream(const std::filesystem::path& path, std::ostream& out, const Frame& frame,
-                  ExportFormat format) {
+void write_stream(const std::filesystem::path& path, std::ostream& out, const Frame& frame, ExportFormat format) {
     switch (format) {
-    case ExportFormat::ply:
-        return write_ply(path, out, frame);
-    case ExportFormat::vtp:
-        return write_vtp(out, frame);
-    case ExportFormat::csv:
-        return write_csv(out, frame);
+    case ExportFormat::ply: return write_ply(path, out, frame);
+    case ExportFormat::vtp: return write_vtp(out, frame);
+    case ExportFormat::csv: return write_csv(out, frame);
     }
 }
 } // namespace
@@ -238,18 +222,14 @@ ExportFormat export_format(const std::string& name) {
         if (format_name(format) == name) return format;
     const bool obj = name == "obj";
     throw InputError(Diagnostic{"--to " + name, obj ? "particles are not written as obj" : "unknown format",
-                                obj ? "obj knows no velocity and no other field of a particle" : "",
-                                "the formats are ply, vtp and csv"});
+        obj ? "obj knows no velocity and no other field of a particle" : "", "the formats are ply, vtp and csv"});
 }
 
 std::string format_name(ExportFormat format) {
     switch (format) {
-    case ExportFormat::ply:
-        return "ply";
-    case ExportFormat::vtp:
-        return "vtp";
-    case ExportFormat::csv:
-        return "csv";
+    case ExportFormat::ply: return "ply";
+    case ExportFormat::vtp: return "vtp";
+    case ExportFormat::csv: return "csv";
     }
     return "";
 }
@@ -263,7 +243,7 @@ void export_particles(const std::filesystem::path& path, const Frame& frame, Exp
         out.close();
         if (!out)
             throw SimulationError({path.string(), "cannot write this file", std::strerror(errno),
-                                   "free some space or choose another folder with --out"});
+                "free some space or choose another folder with --out"});
         sync_and_rename(temporary, path);
     } catch (...) {
         std::error_code ignored;

@@ -28,7 +28,8 @@ std::string content(int file) {
 
 // True while the file that is open still stands under its path: a program that ends removes it.
 bool still_there(int file, const std::filesystem::path& path) {
-    struct stat opened {}, named {};
+    struct stat opened {
+    }, named{};
     return ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
            opened.st_dev == named.st_dev;
 }
@@ -39,14 +40,14 @@ bool FolderLock::take(const std::filesystem::path& folder) {
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (file_ < 0)
         throw InputError({folder.string(), "the output folder cannot be written", std::strerror(errno),
-                          "choose another folder with --out"});
+            "choose another folder with --out"});
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
         if (errno == EWOULDBLOCK) {
             const auto who = content(file_);
             ::close(file_);
             throw InputError({folder.string(), "a run is writing into this folder",
-                              who.empty() ? "two runs would mix their files" : "it is on " + who,
-                              "wait until it has ended, stop it with a file STOP in the folder, or choose another folder"});
+                who.empty() ? "two runs would mix their files" : "it is on " + who,
+                "wait until it has ended, stop it with a file STOP in the folder, or choose another folder"});
         }
         warning_ = folder.string() + ": nothing keeps a second run out of this folder; the file system has no locks (" +
                    std::strerror(errno) + ")";

@@ -61,8 +61,7 @@ void check_block(const ParticleBlock& block) {
         const auto size = std::visit([](const auto& values) { return values.size(); }, field.values);
         if (field.components < 1 || size != n * static_cast<std::size_t>(field.components))
             throw std::logic_error("field " + field.name + ": one value for each particle and component");
-        if (field.name.empty() || field.name.find('/') != std::string::npos ||
-            !names.insert(field.name).second)
+        if (field.name.empty() || field.name.find('/') != std::string::npos || !names.insert(field.name).second)
             throw std::logic_error("field '" + field.name + "': empty, with a slash, or twice");
     }
 }
@@ -81,8 +80,8 @@ void describe_frame(hid_t file, std::int64_t step, double time, const ParticleBl
     const std::int64_t version[2] = {1, 0};
     const hsize_t two = 2;
     const Handle space(H5Screate_simple(1, &two, nullptr), H5Sclose, "make a data space");
-    const Handle made(H5Acreate2(group, "Version", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT),
-                      H5Aclose, "create attribute Version");
+    const Handle made(H5Acreate2(group, "Version", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+        "create attribute Version");
     check(H5Awrite(made, H5T_NATIVE_INT64, version), "write attribute Version");
     write_attribute(group, "Type", std::string("UnstructuredGrid"));
     write_attribute(group, "time", time);
@@ -93,8 +92,8 @@ void describe_frame(hid_t file, std::int64_t step, double time, const ParticleBl
 }
 } // namespace
 
-FrameWriter::FrameWriter(const Comm& comm, const std::filesystem::path& folder, const std::string& name,
-                         Precision precision)
+FrameWriter::FrameWriter(
+    const Comm& comm, const std::filesystem::path& folder, const std::string& name, Precision precision)
     : state_(std::make_unique<State>(State{comm, folder, name, precision, {}})) {
     comm.guard_root([&] { std::filesystem::create_directories(folder); });
 }
@@ -109,8 +108,7 @@ void FrameWriter::resume(double time) {
     s.comm.guard_root([&] {
         if (!std::filesystem::exists(s.index())) return;
         std::vector<SeriesEntry> dropped;
-        for (const auto& entry : read_series(s.index()))
-            (entry.time <= time ? kept : dropped).push_back(entry);
+        for (const auto& entry : read_series(s.index())) (entry.time <= time ? kept : dropped).push_back(entry);
         write_series(s.index(), kept);
         for (const auto& entry : dropped) std::filesystem::remove(s.folder / entry.file);
         for (const auto& entry : kept) names += entry.file + '\n';
@@ -137,16 +135,13 @@ std::filesystem::path FrameWriter::write(std::int64_t step, double time, const P
     plan.path = s.folder / file;
     const std::span<const std::int64_t> count = cells.count;
     const Stored real = s.precision == Precision::float32 ? Stored::float32 : Stored::as_given;
-    plan.datasets = {{"VTKHDF/NumberOfPoints", count},
-                     {"VTKHDF/NumberOfCells", count},
-                     {"VTKHDF/NumberOfConnectivityIds", count},
-                     {"VTKHDF/Points", block.positions, 3, real},
-                     {"VTKHDF/Types", std::span(cells.types)},
-                     {"VTKHDF/Connectivity", std::span(cells.connectivity)},
-                     {"VTKHDF/Offsets", std::span(cells.offsets)}};
+    plan.datasets = {{"VTKHDF/NumberOfPoints", count}, {"VTKHDF/NumberOfCells", count},
+        {"VTKHDF/NumberOfConnectivityIds", count}, {"VTKHDF/Points", block.positions, 3, real},
+        {"VTKHDF/Types", std::span(cells.types)}, {"VTKHDF/Connectivity", std::span(cells.connectivity)},
+        {"VTKHDF/Offsets", std::span(cells.offsets)}};
     for (const auto& field : block.fields)
-        plan.datasets.push_back({"VTKHDF/PointData/" + field.name, field.values, field.components,
-                                 stored_as(field.values, s.precision)});
+        plan.datasets.push_back(
+            {"VTKHDF/PointData/" + field.name, field.values, field.components, stored_as(field.values, s.precision)});
     plan.describe = [&](hid_t out) { describe_frame(out, step, time, block); };
     write_hdf5(s.comm, plan);
 

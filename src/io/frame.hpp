@@ -15,8 +15,8 @@ namespace treacle::io {
 enum class Precision { float32, float64 };
 
 // [n * components], of one of these types on all ranks.
-using FieldValues = std::variant<std::span<const double>, std::span<const std::int64_t>,
-                                 std::span<const std::int32_t>, std::span<const std::uint8_t>>;
+using FieldValues = std::variant<std::span<const double>, std::span<const std::int64_t>, std::span<const std::int32_t>,
+    std::span<const std::uint8_t>>;
 
 // One quantity of this rank's particles, [n][components], components of a particle side by side.
 struct FrameField {
@@ -46,7 +46,7 @@ class FrameWriter {
 public:
     // Collective; makes the folder when it is missing. Throws SimulationError.
     FrameWriter(const Comm& comm, const std::filesystem::path& folder, const std::string& name,
-                Precision precision = Precision::float32);
+        Precision precision = Precision::float32);
     ~FrameWriter();
     FrameWriter(FrameWriter&&) noexcept;
 

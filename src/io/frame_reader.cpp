@@ -12,8 +12,7 @@ template <class T>
 std::vector<T> read_rows(hid_t dataset, std::int64_t first, std::int64_t rows, int components, hid_t type) {
     std::vector<T> values(static_cast<std::size_t>(rows) * static_cast<std::size_t>(components));
     const auto selection = select_rows(dataset, first, rows, components);
-    check(H5Dread(dataset, type, selection.memory, selection.file, H5P_DEFAULT, values.data()),
-          "read values");
+    check(H5Dread(dataset, type, selection.memory, selection.file, H5P_DEFAULT, values.data()), "read values");
     return values;
 }
 
@@ -59,16 +58,14 @@ Frame read_share(const std::filesystem::path& path, const Share& share) {
         const Handle type(H5Dget_type(points), H5Tclose, "read the type of Points");
         frame.precision = H5Tget_size(type) > sizeof(float) ? Precision::float64 : Precision::float32;
         frame.total = total;
-        frame.positions =
-            read_rows<double>(points, share.first(total), share.rows(total), 3, H5T_NATIVE_DOUBLE);
+        frame.positions = read_rows<double>(points, share.first(total), share.rows(total), 3, H5T_NATIVE_DOUBLE);
         if (!has_link(file, fields_group)) return frame;
         const Handle fields(H5Gopen2(file, fields_group.c_str(), H5P_DEFAULT), H5Gclose, "open the fields");
-        for (const auto& name : dataset_names(fields))
-            frame.fields.push_back(read_column(file, name, total, share));
+        for (const auto& name : dataset_names(fields)) frame.fields.push_back(read_column(file, name, total, share));
         return frame;
     } catch (const Hdf5Failure& failure) {
         throw InputError(Diagnostic{path.string(), "not a readable frame", failure.what(),
-                                    "frames are the .hdf files that a run writes into frames/"});
+            "frames are the .hdf files that a run writes into frames/"});
     }
 }
 } // namespace

@@ -46,9 +46,7 @@ std::string mpi_version() {
 #endif
 }
 
-Value sources(const BuildInfo& build) {
-    return Value::object({{"commit", build.commit}, {"state", build.state}});
-}
+Value sources(const BuildInfo& build) { return Value::object({{"commit", build.commit}, {"state", build.state}}); }
 } // namespace
 
 BuildInfo build_info() {
@@ -64,7 +62,7 @@ Versions library_versions() {
     unsigned major = 0, minor = 0, patch = 0;
     H5get_libversion(&major, &minor, &patch);
     return {{"HDF5", dotted(static_cast<int>(major), static_cast<int>(minor), static_cast<int>(patch))},
-            {"MPI", mpi_version()}};
+        {"MPI", mpi_version()}};
 }
 
 std::string text_hash(const std::string& text) {
@@ -84,10 +82,8 @@ void write_manifest(const Comm& comm, const std::filesystem::path& path, const M
         for (const auto& [name, version] : manifest.libraries) libraries.set(name, version);
         Value command = Value::list({});
         for (const auto& word : manifest.command) command.add(word);
-        Value out =
-            Value::object({{"program", "treacle"}, {"version", build.version}, {"sources", sources(build)}});
-        out.set("compiler",
-                Value::object({{"name", build.compiler}, {"flags", build.flags}, {"type", build.type}}));
+        Value out = Value::object({{"program", "treacle"}, {"version", build.version}, {"sources", sources(build)}});
+        out.set("compiler", Value::object({{"name", build.compiler}, {"flags", build.flags}, {"type", build.type}}));
         out.set("libraries", libraries);
         out.set("ranks", comm.size());
         out.set("hosts", static_cast<std::int64_t>(hosts)).set("first host", host_name());
@@ -108,8 +104,7 @@ void add_resumption(const Comm& comm, const std::filesystem::path& path, const R
         auto& all = manifest["resumed"];
         if (!all.is_array()) all = nlohmann::ordered_json::array();
         all.push_back({{"started", time_now()}, {"step", resumption.step}, {"ranks", comm.size()},
-                       {"version", build_info().version}, {"command", resumption.command},
-                       {"changes", resumption.changes}});
+            {"version", build_info().version}, {"command", resumption.command}, {"changes", resumption.changes}});
         write_file_atomically(path, manifest.dump(2) + "\n");
     });
 }

@@ -13,7 +13,7 @@ namespace treacle::io {
 namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb) {
     throw SimulationError({path.string(), "cannot " + verb + " this file", std::strerror(errno),
-                           "free some space or choose another folder with --out"});
+        "free some space or choose another folder with --out"});
 }
 
 void write_all(int file, const std::filesystem::path& path, const std::vector<char>& bytes, std::int64_t at) {

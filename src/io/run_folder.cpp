@@ -9,8 +9,8 @@
 namespace treacle::io {
 
 namespace {
-void add_matching(const std::filesystem::path& folder, const std::string& pattern,
-                  std::vector<std::filesystem::path>& files) {
+void add_matching(
+    const std::filesystem::path& folder, const std::string& pattern, std::vector<std::filesystem::path>& files) {
     const std::regex names(pattern);
     std::error_code missing;
     for (const auto& item : std::filesystem::directory_iterator(folder, missing))
@@ -18,8 +18,8 @@ void add_matching(const std::filesystem::path& folder, const std::string& patter
             files.push_back(item.path());
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& problem,
-                         const std::string& reason, const std::string& cure) {
+[[noreturn]] void refuse(
+    const std::filesystem::path& path, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError(Diagnostic{path.string(), problem, reason, cure});
 }
 
@@ -29,10 +29,10 @@ void check_writable(const std::filesystem::path& path) {
     while (!std::filesystem::exists(parent)) parent = parent.parent_path();
     if (!std::filesystem::is_directory(parent))
         refuse(path, "the output folder cannot be made", parent.string() + " is a file",
-               "choose another folder with --out");
+            "choose another folder with --out");
     if (::access(parent.c_str(), W_OK | X_OK) != 0)
         refuse(path, "the output folder cannot be written", "no permission in " + parent.string(),
-               "choose another folder with --out");
+            "choose another folder with --out");
 }
 
 // A lock that a killed run left behind is no result.
@@ -46,7 +46,7 @@ bool is_used(const std::filesystem::path& root) {
 void refuse_used(const std::filesystem::path& root, ExistingFiles existing) {
     if (existing == ExistingFiles::overwrite || !is_used(root)) return;
     refuse(root, "the output folder exists and is not empty", "a run does not mix its files with those of another",
-           "choose another folder with --out, or replace the files of the run in it with --overwrite");
+        "choose another folder with --out, or replace the files of the run in it with --overwrite");
 }
 
 void prepare(RunFolder& folder, ExistingFiles existing) {
@@ -66,8 +66,7 @@ void prepare(RunFolder& folder, ExistingFiles existing) {
 
 std::vector<std::filesystem::path> files_of_run(const RunFolder& folder) {
     std::vector<std::filesystem::path> files;
-    add_matching(
-        folder.root,
+    add_matching(folder.root,
         "((effective\\.yaml|manifest\\.json|summary\\.json|steps\\.csv|measurements\\.csv|bodies\\.csv|"
         "lost_particles\\.csv)(\\.tmp)?|STOP)",
         files);
@@ -84,7 +83,7 @@ RunFolder prepare_run_folder(const Comm& comm, const std::filesystem::path& path
             prepare(folder, existing);
         } catch (const std::filesystem::filesystem_error& error) {
             refuse(path, "the output folder cannot be prepared", error.code().message(),
-                   "choose another folder with --out");
+                "choose another folder with --out");
         }
     });
     return folder;
@@ -97,7 +96,7 @@ RunFolder open_run_folder(const Comm& comm, const std::filesystem::path& path, A
             refuse(path, "there is no such folder", "", "give the folder that a run wrote");
         if (!std::filesystem::exists(folder.effective_scene()))
             refuse(path, "this is not the folder of a run", "it holds no effective.yaml",
-                   "give the folder that a run wrote");
+                "give the folder that a run wrote");
         if (access == Access::write) folder.lock = std::make_shared<const FolderLock>(folder.root);
     });
     return folder;

@@ -28,8 +28,7 @@ std::vector<SeriesEntry> read_series(const std::filesystem::path& path) {
     } catch (const nlohmann::json::exception& error) {
         throw InputError(Diagnostic{path.string(), "not an index of frames", error.what(), ""});
     }
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const auto& a, const auto& b) { return a.time < b.time; });
+    std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
     return entries;
 }
 

@@ -33,11 +33,11 @@ void put_vector(Stretch& to, std::span<const double> values, std::size_t row) {
     for (std::size_t k = 0; k < 3; ++k) to.put(static_cast<float>(values[3 * row + k]));
 }
 
-std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, const SurfacePart& part, std::int64_t vertices,
-                         std::int64_t triangles) {
+std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, const SurfacePart& part,
+    std::int64_t vertices, std::int64_t triangles) {
     if (vertices > std::numeric_limits<std::int32_t>::max()) {
-        throw InputError(Diagnostic{path.string(), "the surface does not fit into ply", "it has more than 2^31 - 1 vertices",
-                                    "export to vtp"});
+        throw InputError(Diagnostic{
+            path.string(), "the surface does not fit into ply", "it has more than 2^31 - 1 vertices", "export to vtp"});
     }
     std::vector<Stretch> out(3);
     if (comm.is_root()) {
@@ -45,7 +45,8 @@ std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, co
         for (const auto& field : part.fields) {
             if (!field.unit.empty()) head += "comment unit " + field.name + " " + field.unit + "\n";
         }
-        head += "element vertex " + std::to_string(vertices) + "\nproperty float x\nproperty float y\nproperty float z\n";
+        head +=
+            "element vertex " + std::to_string(vertices) + "\nproperty float x\nproperty float y\nproperty float z\n";
         if (part.has_normals) head += "property float nx\nproperty float ny\nproperty float nz\n";
         for (const auto& field : part.fields) {
             for (int k = 0; k < field.components; ++k) {
@@ -55,7 +56,8 @@ std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, co
         head += "element ";
         head += part.dimensions == 3 ? "face " : "edge ";
         head += std::to_string(triangles) + "\n";
-        head += part.dimensions == 3 ? "property list uchar int vertex_indices\n" : "property int vertex1\nproperty int vertex2\n";
+        head += part.dimensions == 3 ? "property list uchar int vertex_indices\n"
+                                     : "property int vertex1\nproperty int vertex2\n";
         out[0].put(head + "end_header\n");
     }
     for (std::size_t v = 0; v < count(part); ++v) {
@@ -64,14 +66,17 @@ std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, co
         for (const auto& field : part.fields) {
             const auto width = static_cast<std::size_t>(field.components);
             for (std::size_t k = 0; k < width; ++k) {
-                if (field.whole) out[1].put(static_cast<std::int32_t>(field.integers[width * v + k]));
-                else out[1].put(static_cast<float>(field.reals[width * v + k]));
+                if (field.whole)
+                    out[1].put(static_cast<std::int32_t>(field.integers[width * v + k]));
+                else
+                    out[1].put(static_cast<float>(field.reals[width * v + k]));
             }
         }
     }
     for (const auto& triangle : part.triangles) {
         if (part.dimensions == 3) out[2].put(static_cast<unsigned char>(3));
-        for (std::size_t k = 0; k < static_cast<std::size_t>(part.dimensions); ++k) out[2].put(static_cast<std::int32_t>(triangle[k]));
+        for (std::size_t k = 0; k < static_cast<std::size_t>(part.dimensions); ++k)
+            out[2].put(static_cast<std::int32_t>(triangle[k]));
     }
     return out;
 }
@@ -129,12 +134,13 @@ private:
 std::vector<Stretch> vtp(const Comm& comm, const SurfacePart& part, std::int64_t vertices, std::int64_t triangles) {
     const std::string lines = part.dimensions == 3 ? "0" : std::to_string(triangles);
     const std::string polys = part.dimensions == 3 ? std::to_string(triangles) : "0";
-    std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                       "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" "
-                       "NumberOfTuples=\"1\" format=\"ascii\">" + digits(part.time) +
-                       "</DataArray>\n</FieldData>\n<Piece NumberOfPoints=\"" + std::to_string(vertices) +
-                       "\" NumberOfVerts=\"0\" NumberOfLines=\"" + lines + "\" NumberOfStrips=\"0\" NumberOfPolys=\"" + polys +
-                       "\">\n<Points>\n";
+    std::string head =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" "
+        "NumberOfTuples=\"1\" format=\"ascii\">" +
+        digits(part.time) + "</DataArray>\n</FieldData>\n<Piece NumberOfPoints=\"" + std::to_string(vertices) +
+        "\" NumberOfVerts=\"0\" NumberOfLines=\"" + lines + "\" NumberOfStrips=\"0\" NumberOfPolys=\"" + polys +
+        "\">\n<Points>\n";
     VtpArrays arrays(comm, head);
     const auto reals = [](std::span<const double> values) {
         return [values](Stretch& to) {
@@ -151,7 +157,8 @@ std::vector<Stretch> vtp(const Comm& comm, const SurfacePart& part, std::int64_t
     });
     const auto first = comm.exclusive_sum(static_cast<std::int64_t>(part.triangles.size()));
     arrays.add("Int64", "offsets", 1, "", [&](Stretch& to) {
-        for (std::size_t t = 1; t <= part.triangles.size(); ++t) to.put(part.dimensions * (first + static_cast<std::int64_t>(t)));
+        for (std::size_t t = 1; t <= part.triangles.size(); ++t)
+            to.put(part.dimensions * (first + static_cast<std::int64_t>(t)));
     });
     head += std::string("</") + cells + ">\n<PointData" + (part.has_normals ? " Normals=\"normal\"" : "") + ">\n";
     if (part.has_normals) arrays.add("Float32", "normal", 3, "", reals(part.normals));
@@ -180,7 +187,8 @@ SurfaceFormat surface_format(const std::string& name) {
     for (const auto format : {SurfaceFormat::ply, SurfaceFormat::obj, SurfaceFormat::vtp}) {
         if (format_name(format) == name) return format;
     }
-    throw InputError(Diagnostic{"--format " + name, "unknown format of surfaces", "", "the formats are ply, obj and vtp"});
+    throw InputError(
+        Diagnostic{"--format " + name, "unknown format of surfaces", "", "the formats are ply, obj and vtp"});
 }
 
 std::string format_name(SurfaceFormat format) {

@@ -20,19 +20,19 @@ std::string format_name(SurfaceFormat format);
 // A quantity of the vertices.
 struct SurfaceField {
     std::string name, unit;
-    int components = 1;              // 1 or 3
-    std::span<const double> reals;   // [n][components]
+    int components = 1;                 // 1 or 3
+    std::span<const double> reals;      // [n][components]
     std::span<const int> integers = {}; // [n] in the place of reals
-    bool whole = false;              // whether they are
+    bool whole = false;                 // whether they are
 };
 
 // This rank's part of a surface: its own vertices, and its triangles by the numbers of vertices over all ranks.
 struct SurfacePart {
-    int dimensions = 3;                  // 2: a polyline
-    double time = 0;                     // [s]
-    std::span<const double> vertices;    // [n][3] [m]
-    std::span<const double> normals;     // [n][3], if there are any
-    std::vector<SurfaceField> fields;    // the same on every rank
+    int dimensions = 3;               // 2: a polyline
+    double time = 0;                  // [s]
+    std::span<const double> vertices; // [n][3] [m]
+    std::span<const double> normals;  // [n][3], if there are any
+    std::vector<SurfaceField> fields; // the same on every rank
     bool has_normals = true;
     std::vector<std::array<std::int64_t, 3>> triangles; // [m][3]; 2D: [m][2], the third is -1
 };

@@ -25,7 +25,8 @@ RigidBodies::RigidBodies(BodiesSetup setup) : setup_(std::move(setup)), states_(
     }
     for (auto& body : setup_.bodies) {
         for (auto& probe : body.probes) {
-            if (any_dynamic_ && probe.radius == 0) probe.surface = describe_surface(body.region.front(), probe.point, setup_.spacing);
+            if (any_dynamic_ && probe.radius == 0)
+                probe.surface = describe_surface(body.region.front(), probe.point, setup_.spacing);
         }
     }
     begin(0);

@@ -20,8 +20,8 @@ struct SurfacePoint {
 
 // A ball about a point of a body's surface, of radius 0, or the body itself when it is a ball.
 struct ContactSample {
-    Vec3 point{0, 0, 0}; // [m] at the start
-    double radius = 0;   // [m]
+    Vec3 point{0, 0, 0};    // [m] at the start
+    double radius = 0;      // [m]
     SurfacePoint surface{}; // that RigidBodies finds
 };
 
@@ -42,14 +42,14 @@ struct BodySetup {
     double from = 0, until = std::numeric_limits<double>::infinity(); // [s]
     double restitution = 0, friction = 0;
     std::vector<scene::SolidRegion> region; // one: the solid at the start
-    std::vector<ContactSample> probes;              // that touch other bodies and walls
+    std::vector<ContactSample> probes;      // that touch other bodies and walls
     double reach = 0;                       // [m] from the centre to the farthest point of the surface
 };
 
 // A side of the domain that stops bodies, at right angles to an axis.
 struct Wall {
     int axis = 0;
-    double at = 0;     // [m]
+    double at = 0;      // [m]
     double inwards = 1; // +1: the domain is above
 };
 

@@ -12,9 +12,7 @@ constexpr double redundant = 1e-9;
 // Rest of a diagonal entry of the response, over the entry, when it depends on other motions.
 constexpr double same_motion = 1e-12;
 
-Vec3 part(std::span<const double> numbers, std::size_t at) {
-    return {numbers[at], numbers[at + 1], numbers[at + 2]};
-}
+Vec3 part(std::span<const double> numbers, std::size_t at) { return {numbers[at], numbers[at + 1], numbers[at + 2]}; }
 
 void add(std::vector<double>& numbers, std::size_t at, const Vec3& v) {
     for (std::size_t k = 0; k < 3; ++k) numbers[at + k] += v[k];
@@ -92,8 +90,8 @@ void ConstrainedInverseMass::factorise() {
 std::vector<double> ConstrainedInverseMass::rates(std::span<const double> velocities) const {
     std::vector<double> out;
     for (const auto& row : rows_) {
-        double rate = dot(row.linear, part(velocities, 6 * row.body)) +
-                      dot(row.angular, part(velocities, 6 * row.body + 3));
+        double rate =
+            dot(row.linear, part(velocities, 6 * row.body)) + dot(row.angular, part(velocities, 6 * row.body + 3));
         if (row.other >= 0) {
             const std::size_t at = 6 * static_cast<std::size_t>(row.other);
             rate -= dot(row.linear, part(velocities, at)) + dot(row.other_angular, part(velocities, at + 3));

@@ -24,7 +24,8 @@ class Finder {
 public:
     Finder(const RigidBodies& bodies, double dt) : bodies_(bodies), setup_(bodies.setup()), dt_(dt) {
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            const double speed = bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * setup_.bodies[b].reach : 0.0;
+            const double speed =
+                bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * setup_.bodies[b].reach : 0.0;
             margins_.push_back(0.02 * setup_.spacing + dt * (speed + dt * length(setup_.gravity)));
         }
     }
@@ -35,7 +36,8 @@ public:
             for (const auto& wall : setup_.walls) meet_wall(a, wall);
             std::vector<std::size_t> near;
             for (std::size_t b = 0; b < bodies_.size(); ++b) {
-                if (b != a && !setup_.joined(a, b) && !setup_.bodies[b].surface_velocity_only && close(a, b)) near.push_back(b);
+                if (b != a && !setup_.joined(a, b) && !setup_.bodies[b].surface_velocity_only && close(a, b))
+                    near.push_back(b);
             }
             if (near.empty()) continue;
             place(a, near);
@@ -53,7 +55,8 @@ private:
         resting_.clear();
         const auto put = [&](std::size_t b, const Vec3& way) {
             const auto& body = setup_.bodies[b];
-            placed_.emplace(b, PlacedSolid(body.region.front(), body.centre, bodies_.pose(a).centre - way, bodies_.pose(b).turn));
+            placed_.emplace(
+                b, PlacedSolid(body.region.front(), body.centre, bodies_.pose(a).centre - way, bodies_.pose(b).turn));
         };
         put(a, {0, 0, 0});
         for (const std::size_t b : near) {
@@ -74,7 +77,8 @@ private:
         std::vector<Contact> pair;
         const auto everywhere = [](const Vec3&, double) { return true; };
         for_touches(features, a, {margin, body.reach}, everywhere, [&](const Touch& touch) {
-            pair.push_back({a, -1, touch.point - bodies_.pose(a).centre, {0, 0, 0}, touch.normal, touch.gap, body.restitution, body.friction});
+            pair.push_back({a, -1, touch.point - bodies_.pose(a).centre, {0, 0, 0}, touch.normal, touch.gap,
+                body.restitution, body.friction});
         });
         keep_best(std::move(pair));
     }
@@ -125,13 +129,16 @@ private:
     }
 
     template <class Within, class Report>
-    void for_touches(const NearestFeatures& features, std::size_t of, const Near& near, const Within& within, const Report& report) const {
+    void for_touches(const NearestFeatures& features, std::size_t of, const Near& near, const Within& within,
+        const Report& report) const {
         const auto& solid = placed_.at(of);
         for (const auto& sample : setup_.bodies[of].probes) {
             const Vec3 x = solid.place(sample.point);
             if (!within(x, sample.radius)) continue;
-            const auto touch = sample.radius > 0 ? features.of_ball(x, sample.radius, near.margin)
-                                                 : features.at(x, {solid.turned(sample.surface.edge), solid.turned(sample.surface.inwards)}, near);
+            const auto touch =
+                sample.radius > 0
+                    ? features.of_ball(x, sample.radius, near.margin)
+                    : features.at(x, {solid.turned(sample.surface.edge), solid.turned(sample.surface.inwards)}, near);
             if (touch) report(*touch);
         }
     }

@@ -33,7 +33,7 @@ struct SolverBody {
 // shifts that take back a share of each overlap. They change neither momentum nor, but for the lever arms that a shift
 // changes, angular momentum. `together` gives the response of bodies linked by joints. `speed` [m/s] is the scale of
 // velocities, `spacing` [m] that of shifts.
-void solve_contacts(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies, const ConstrainedInverseMass& together,
-                    double speed, double spacing);
+void solve_contacts(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies,
+    const ConstrainedInverseMass& together, double speed, double spacing);
 
 } // namespace treacle::rigid

@@ -7,7 +7,8 @@ namespace treacle::rigid {
 namespace {
 constexpr double step = 2e-3;  // [spacings] how far directions are followed out of a surface
 constexpr double askew = 2e-5; // of that step, what a direction out of the cone may lose: 6 mrad
-constexpr double most_turning = 0.3; // [rad] by which it may be out of it more, as the solids turn to each other in the step
+constexpr double most_turning =
+    0.3; // [rad] by which it may be out of it more, as the solids turn to each other in the step
 constexpr double lift = 2 * step;     // [spacings] by which a probed point is out of the solid that it overlaps
 constexpr double deepest = 0.1;       // [spacings] by which it is moved for that
 constexpr double patch = 0.75;        // [spacings] about a sample that it stands for
@@ -28,7 +29,9 @@ bool Obstacle::flat(const Vec3& x, double length_beside) const {
     return true;
 }
 
-void NearestFeatures::set_turning(double angle) { askew_ = std::max(askew, 1 - std::cos(std::min(angle, most_turning))); }
+void NearestFeatures::set_turning(double angle) {
+    askew_ = std::max(askew, 1 - std::cos(std::min(angle, most_turning)));
+}
 
 Touch NearestFeatures::measure(const Vec3& x) const { return {x, other_.normal(x), other_.distance(x)}; }
 
@@ -38,7 +41,8 @@ bool NearestFeatures::in_cone(const Vec3& x, const Vec3& direction) const {
     const Vec3 out = x + e * direction;
     const double least = (1 - askew_) * e;
     if (probed_.distance(out) < least) return false;
-    return !rests_ || std::ranges::none_of(around_, [&](const PlacedSolid* solid) { return solid->distance(out) < least; });
+    return !rests_ ||
+           std::ranges::none_of(around_, [&](const PlacedSolid* solid) { return solid->distance(out) < least; });
 }
 
 // True when a resting solid lies on the other surface at this point, so that nothing can reach it against the normal.
@@ -86,11 +90,13 @@ std::optional<Vec3> NearestFeatures::settle(const Vec3& first, double size) cons
         const Vec3 foot = x - touch.gap * touch.normal;
         double radius = 4 * size;
         if (!other_.flat(foot, 0.05 * spacing_)) {
-            for (int h = 0; h < bisections && other_.distance(foot - radius * touch.normal) > -(1 - 1e-6) * radius; ++h) radius /= 2;
+            for (int h = 0; h < bisections && other_.distance(foot - radius * touch.normal) > -(1 - 1e-6) * radius; ++h)
+                radius /= 2;
         }
         const Vec3 centre = foot - radius * touch.normal, n = probed_.normal(x);
         Vec3 next = centre - dot(centre - x, n) * n;
-        const bool flat = std::abs(probed_.distance(next)) <= 1e-9 * spacing_ && length(probed_.normal(next) - n) < 1e-9;
+        const bool flat =
+            std::abs(probed_.distance(next)) <= 1e-9 * spacing_ && length(probed_.normal(next) - n) < 1e-9;
         if (!flat) next = centre - probed_.distance(centre) * probed_.normal(centre);
         if (length(next - first) > patch * spacing_) break;
         if (length(next - x) < still * spacing_) {
@@ -159,7 +165,8 @@ SurfacePoint describe_surface(const scene::SolidRegion& region, const Vec3& x, d
     constexpr int directions = 60;
     std::vector<Vec3> faces;
     for (int k = 0; k < directions; ++k) {
-        const double height = 1 - (2 * k + 1.0) / directions, angle = 2.399963229728653 * k, across = std::sqrt(1 - height * height);
+        const double height = 1 - (2 * k + 1.0) / directions, angle = 2.399963229728653 * k,
+                     across = std::sqrt(1 - height * height);
         Vec3 way{across * std::cos(angle), across * std::sin(angle), height};
         if (region.dimensions() == 2) way = {std::cos(angle), std::sin(angle), 0};
         const Vec3 inside = x + e * way;

@@ -65,7 +65,8 @@ struct Near {
 class NearestFeatures {
 public:
     // `around`: what else rests near the two.
-    NearestFeatures(const PlacedSolid& probed, const Obstacle& other, std::vector<const PlacedSolid*> around, double spacing)
+    NearestFeatures(
+        const PlacedSolid& probed, const Obstacle& other, std::vector<const PlacedSolid*> around, double spacing)
         : probed_(probed), other_(other), around_(std::move(around)), spacing_(spacing) {
         set_turning(0);
     }

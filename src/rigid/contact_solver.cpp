@@ -18,8 +18,8 @@ using Eigen::Index;
 
 class Solver {
 public:
-    Solver(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies, const ConstrainedInverseMass& together,
-           double spacing)
+    Solver(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies,
+        const ConstrainedInverseMass& together, double spacing)
         : contacts_(contacts), bodies_(bodies), columns_(together.columns()), spacing_(spacing) {
         const auto n = static_cast<Index>(contacts.size());
         problem_.rows.resize(3 * n, static_cast<Index>(columns_.size()));
@@ -63,7 +63,8 @@ private:
             const Vec3 moment = cross(arm, direction);
             for (std::size_t c = 0; c < columns_.size(); ++c) {
                 const double* v = &columns_[c][6 * body];
-                row[static_cast<Index>(c)] += sign * (dot({v[0], v[1], v[2]}, direction) + dot({v[3], v[4], v[5]}, moment));
+                row[static_cast<Index>(c)] +=
+                    sign * (dot({v[0], v[1], v[2]}, direction) + dot({v[3], v[4], v[5]}, moment));
             }
             const auto& response = bodies_[body].response;
             alone += dot(direction, response.linear * direction) + dot(moment, response.angular * moment);
@@ -129,8 +130,8 @@ private:
 };
 } // namespace
 
-void solve_contacts(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies, const ConstrainedInverseMass& together,
-                    double speed, double spacing) {
+void solve_contacts(const std::vector<Contact>& contacts, std::vector<SolverBody>& bodies,
+    const ConstrainedInverseMass& together, double speed, double spacing) {
     Solver(contacts, bodies, together, spacing).solve(speed);
 }
 

@@ -6,9 +6,9 @@
 namespace treacle::rigid {
 
 namespace {
-constexpr int most_parts = 24;    // of a step; in the last one nothing bounces
-constexpr double at_once = 0.01;  // of a step: impacts no farther apart in time count as one
-constexpr double resting = 4;     // steps: what gravity gives in them is rest, not an impact
+constexpr int most_parts = 24;   // of a step; in the last one nothing bounces
+constexpr double at_once = 0.01; // of a step: impacts no farther apart in time count as one
+constexpr double resting = 4;    // steps: what gravity gives in them is rest, not an impact
 } // namespace
 
 // Velocity along the normal, negative when the gap closes [m/s].

@@ -32,8 +32,9 @@ struct Verdict {
 class FrictionSolver {
 public:
     FrictionSolver(const FrictionProblem& problem, double tolerance)
-        : p_(problem), tolerance_(tolerance), contacts_(problem.wanted.size()), own_(problem.rows.rowwise().squaredNorm()),
-          impulse_(VectorXd::Zero(3 * contacts_)), motion_(VectorXd::Zero(problem.rows.cols())) {}
+        : p_(problem), tolerance_(tolerance), contacts_(problem.wanted.size()),
+          own_(problem.rows.rowwise().squaredNorm()), impulse_(VectorXd::Zero(3 * contacts_)),
+          motion_(VectorXd::Zero(problem.rows.cols())) {}
 
     VectorXd solve() {
         VectorXd best = impulse_;
@@ -88,8 +89,10 @@ private:
                 const Index row = n + 1 + t;
                 drag[t] = own_[row] > 0 ? impulse_[row] - velocity(row) / own_[row] : 0;
             }
-            const double size = std::hypot(drag[0], drag[1]), most = p_.friction[static_cast<std::size_t>(i)] * impulse_[n];
-            for (int t = 0; t < 2; ++t) change(n + 1 + t, (size > most ? most / size : 1) * drag[t] - impulse_[n + 1 + t]);
+            const double size = std::hypot(drag[0], drag[1]),
+                         most = p_.friction[static_cast<std::size_t>(i)] * impulse_[n];
+            for (int t = 0; t < 2; ++t)
+                change(n + 1 + t, (size > most ? most / size : 1) * drag[t] - impulse_[n + 1 + t]);
         }
     }
     bool rubs(Index i) const { return p_.friction[static_cast<std::size_t>(i)] > 0 && across(i) > 0; }
@@ -115,7 +118,8 @@ private:
                 drag[t] *= most / size;
             }
         }
-        for (int t = 0; t < 2; ++t) out.wrong = std::max(out.wrong, std::abs(drag[t] - impulse_[n + 1 + t]) * across(i));
+        for (int t = 0; t < 2; ++t)
+            out.wrong = std::max(out.wrong, std::abs(drag[t] - impulse_[n + 1 + t]) * across(i));
         return out;
     }
     double wrong() const {
@@ -128,7 +132,8 @@ private:
         for (Index i = 0; i < contacts_; ++i) {
             const Index n = 3 * i;
             impulse_[n] = std::max(0.0, impulse_[n]);
-            const double size = std::hypot(impulse_[n + 1], impulse_[n + 2]), most = p_.friction[static_cast<std::size_t>(i)] * impulse_[n];
+            const double size = std::hypot(impulse_[n + 1], impulse_[n + 2]),
+                         most = p_.friction[static_cast<std::size_t>(i)] * impulse_[n];
             if (size > most) impulse_.segment<2>(n + 1) *= most / size;
         }
         set(impulse_);
@@ -151,7 +156,8 @@ private:
             if (!rubs(i)) continue;
             for (int t = 0; t < 2; ++t) {
                 if (verdict.state == State::slides) {
-                    out[out.size() - 1].along += p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * p_.rows.row(n + 1 + t).transpose();
+                    out[out.size() - 1].along +=
+                        p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * p_.rows.row(n + 1 + t).transpose();
                 }
             }
             if (verdict.state == State::slides) continue;
@@ -171,7 +177,8 @@ private:
         if (which == Guess::worst && !verdicts_.empty()) {
             std::size_t worst = now.size();
             for (std::size_t i = 0; i < now.size(); ++i) {
-                if (now[i].state != verdicts_[i].state && (worst == now.size() || now[i].wrong > now[worst].wrong)) worst = i;
+                if (now[i].state != verdicts_[i].state && (worst == now.size() || now[i].wrong > now[worst].wrong))
+                    worst = i;
             }
             for (std::size_t i = 0; i < now.size(); ++i) {
                 if (now[i].state != verdicts_[i].state && i != worst) now[i] = verdicts_[i];
@@ -185,12 +192,14 @@ private:
         auto holds = held();
         const Index m = p_.rows.cols();
         MatrixXd matrix = MatrixXd::Identity(m, m);
-        for (const auto& hold : holds) matrix.noalias() += hold.along * (p_.rows.row(hold.row) / (soft * own_[hold.row]));
+        for (const auto& hold : holds)
+            matrix.noalias() += hold.along * (p_.rows.row(hold.row) / (soft * own_[hold.row]));
         const Eigen::PartialPivLU<MatrixXd> factors(matrix);
         for (int k = 0; k < multipliers; ++k) {
             VectorXd right = VectorXd::Zero(m);
             for (const auto& hold : holds) {
-                right += (hold.multiplier + (hold.target - p_.velocity[hold.row]) / (soft * own_[hold.row])) * hold.along;
+                right +=
+                    (hold.multiplier + (hold.target - p_.velocity[hold.row]) / (soft * own_[hold.row])) * hold.along;
             }
             const VectorXd z = factors.solve(right);
             double change = 0;
@@ -208,7 +217,8 @@ private:
             const auto& verdict = verdicts_[static_cast<std::size_t>(i)];
             if (hold.row % 3 != 0 || verdict.state != State::slides) continue;
             for (int t = 0; t < 2; ++t) {
-                impulse[hold.row + 1 + t] = p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * hold.multiplier;
+                impulse[hold.row + 1 + t] =
+                    p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * hold.multiplier;
             }
         }
         set(impulse);
@@ -217,9 +227,9 @@ private:
     const FrictionProblem& p_;
     double tolerance_;
     Index contacts_;
-    VectorXd own_;     // [1/kg] a row's response to its own impulse
-    VectorXd impulse_; // l
-    VectorXd motion_;  // G^T l
+    VectorXd own_;                  // [1/kg] a row's response to its own impulse
+    VectorXd impulse_;              // l
+    VectorXd motion_;               // G^T l
     std::vector<Verdict> verdicts_; // of the direct solution
 };
 } // namespace

@@ -37,8 +37,8 @@ std::vector<ConstraintRow> RigidBodies::joint_rows() const {
     for (const auto& state : states_) poses.push_back(state.pose);
     std::vector<ConstraintRow> rows;
     for (const auto& joint : setup_.joints) {
-        append_rows(joint, placed(setup_, poses, static_cast<int>(joint.body)),
-                    placed(setup_, poses, joint.other), rows);
+        append_rows(
+            joint, placed(setup_, poses, static_cast<int>(joint.body)), placed(setup_, poses, joint.other), rows);
     }
     return rows;
 }
@@ -46,8 +46,8 @@ std::vector<ConstraintRow> RigidBodies::joint_rows() const {
 std::vector<double> RigidBodies::gaps(const std::vector<Pose>& poses) const {
     std::vector<double> out;
     for (const auto& joint : setup_.joints) {
-        append_gaps(joint, placed(setup_, poses, static_cast<int>(joint.body)),
-                    placed(setup_, poses, joint.other), out);
+        append_gaps(
+            joint, placed(setup_, poses, static_cast<int>(joint.body)), placed(setup_, poses, joint.other), out);
     }
     return out;
 }
@@ -88,10 +88,9 @@ void RigidBodies::hold(double dt) {
         for (const auto& joint : setup_.joints) text += (text.empty() ? "" : ", ") + joint.name;
         return text;
     };
-    throw SimulationError(
-        {"joints " + names(), "they would be " + format_number(gap) + " m apart after this step",
-         "joints and locked degrees of freedom contradict each other, or a body turns too far in a step",
-         "remove what contradicts, or take a smaller time step"});
+    throw SimulationError({"joints " + names(), "they would be " + format_number(gap) + " m apart after this step",
+        "joints and locked degrees of freedom contradict each other, or a body turns too far in a step",
+        "remove what contradicts, or take a smaller time step"});
 }
 
 std::array<double, 6> RigidBodies::own_momentum(std::size_t body) const {
@@ -106,8 +105,7 @@ void RigidBodies::begin_load_sums() {
     joint_loads_.assign(6 * size(), 0.0);
     before_.assign(6 * size(), 0.0);
     for (std::size_t b = 0; b < size(); ++b) {
-        if (dynamic(b))
-            std::ranges::copy(own_momentum(b), before_.begin() + static_cast<std::ptrdiff_t>(6 * b));
+        if (dynamic(b)) std::ranges::copy(own_momentum(b), before_.begin() + static_cast<std::ptrdiff_t>(6 * b));
     }
 }
 

@@ -24,12 +24,9 @@ Axes held_shifts(const JointSetup& joint, const Placed& other) {
 }
 Axes held_turns(const JointSetup& joint, const Placed& other) {
     switch (joint.kind) {
-    case scene::JointKind::ball:
-        return {};
-    case scene::JointKind::hinge:
-        return across(joint, other);
-    case scene::JointKind::slider:
-        return all;
+    case scene::JointKind::ball: return {};
+    case scene::JointKind::hinge: return across(joint, other);
+    case scene::JointKind::slider: return all;
     }
     return {};
 }
@@ -43,8 +40,7 @@ Vec3 wrong_turn(const JointSetup& joint, const Placed& body, const Placed& other
 }
 } // namespace
 
-void append_rows(const JointSetup& joint, const Placed& body, const Placed& other,
-                 std::vector<ConstraintRow>& rows) {
+void append_rows(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<ConstraintRow>& rows) {
     // Both impulses act at the one point, so that they add up to nothing about any other.
     const Vec3 point = body.place(joint.point);
     const Vec3 arm = point - body.pose.centre, other_arm = point - other.pose.centre;
@@ -56,8 +52,7 @@ void append_rows(const JointSetup& joint, const Placed& body, const Placed& othe
     }
 }
 
-void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other,
-                 std::vector<double>& gaps) {
+void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<double>& gaps) {
     const Vec3 way = body.place(joint.point) - other.place(joint.point);
     for (const auto& e : held_shifts(joint, other)) gaps.push_back(dot(way, e));
     const auto turns = held_turns(joint, other);

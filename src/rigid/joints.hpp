@@ -1,6 +1,6 @@
 #pragma once
-#include "rigid/keyframes.hpp"
 #include "rigid/constrained_inverse_mass.hpp"
+#include "rigid/keyframes.hpp"
 
 #include <string>
 
@@ -11,10 +11,10 @@ struct JointSetup {
     std::string name;
     scene::JointKind kind = scene::JointKind::hinge;
     std::size_t body = 0;
-    int other = -1;      // -1: the world
-    Vec3 point{0, 0, 0}; // [m]
-    Vec3 axis{0, 0, 1};  // of a hinge or a slider; unit vector
-    double length_scale = 1;    // [m] how much a rotation counts beside a shift
+    int other = -1;          // -1: the world
+    Vec3 point{0, 0, 0};     // [m]
+    Vec3 axis{0, 0, 1};      // of a hinge or a slider; unit vector
+    double length_scale = 1; // [m] how much a rotation counts beside a shift
 };
 
 // Pose of a body, and its centre at the start; none for the world.
@@ -29,8 +29,7 @@ struct Placed {
 // The conditions of a joint, with both bodies where they are: no relative velocity of the point that the
 // first one carries, no relative rotation but about a hinge's axis; of a slider no relative motion but along
 // its axis.
-void append_rows(const JointSetup& joint, const Placed& body, const Placed& other,
-                 std::vector<ConstraintRow>& rows);
+void append_rows(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<ConstraintRow>& rows);
 
 // Distance of each of them from being met [m]; the rows hold their rates.
 void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<double>& gaps);

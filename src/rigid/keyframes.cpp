@@ -22,8 +22,8 @@ Quaternion turn_between(const scene::Keyframe& from, const scene::Keyframe& to, 
 Pose interpolate(const std::vector<scene::Keyframe>& frames, double time) {
     if (frames.empty()) return {};
     if (time >= frames.back().time) return {frames.back().translation, turn_of(frames.back())};
-    const auto next = std::upper_bound(frames.begin(), frames.end(), time,
-                                       [](double t, const scene::Keyframe& frame) { return t < frame.time; });
+    const auto next = std::upper_bound(
+        frames.begin(), frames.end(), time, [](double t, const scene::Keyframe& frame) { return t < frame.time; });
     scene::Keyframe start;
     start.rotation_axis = next->rotation_axis;
     const auto& from = next == frames.begin() ? start : *(next - 1);

@@ -10,8 +10,7 @@ namespace treacle::scene {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> data_search_path(const fs::path& scene_file,
-                                       const std::vector<fs::path>& data_folders) {
+std::vector<fs::path> data_search_path(const fs::path& scene_file, const std::vector<fs::path>& data_folders) {
     const auto folder = scene_file.parent_path();
     std::vector<fs::path> out{folder.empty() ? fs::path(".") : folder};
     out.insert(out.end(), data_folders.begin(), data_folders.end());
@@ -56,10 +55,9 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
         shape.file = path.string();
         shape.fallback.clear();
     } else if (!shape.fallback.empty()) {
-        outcome.replaced.push_back(
-            shape.where + ": the mesh " + shape.file +
-            " was not found; its fallback is used instead. Name its folder with --data or "
-            "TREACLE_DATA to use it.");
+        outcome.replaced.push_back(shape.where + ": the mesh " + shape.file +
+                                   " was not found; its fallback is used instead. Name its folder with --data or "
+                                   "TREACLE_DATA to use it.");
         Shape fallback = shape.fallback.front();
         fallback.inverted = fallback.inverted != shape.inverted;
         fallback.clip = fallback.clip || shape.clip;
@@ -68,8 +66,8 @@ void resolve(Shape& shape, const std::vector<fs::path>& search_path, Outcome& ou
     } else {
         const bool absolute = fs::path(shape.file).is_absolute();
         outcome.missing.push_back({shape.where, "the mesh " + shape.file + " was not found",
-                                   absolute ? "" : "looked in " + list_folders(search_path),
-                                   "name its folder with --data or TREACLE_DATA, or add a fallback"});
+            absolute ? "" : "looked in " + list_folders(search_path),
+            "name its folder with --data or TREACLE_DATA, or add a fallback"});
     }
 }
 

@@ -12,7 +12,7 @@ void declare_name(Declaration& d, std::string& name, const std::string& doc);
 // After a list was read: gives the nameless items their standard name, numbered when it is taken, and rejects
 // names that stand twice.
 void settle_name_list(Declaration& d, const std::string& key, const std::vector<std::string*>& names,
-                      const std::vector<std::string>& standards);
+    const std::vector<std::string>& standards);
 
 // As settle_name_list(); the function gives the name that an item takes when it has none.
 template <class T, class F>

@@ -8,7 +8,8 @@
 namespace treacle::scene {
 
 // The block `pivot: {point: [x, y, z]}` [m], which may be absent.
-inline void declare_pivot(Declaration& d, std::optional<Vec3>& pivot, const std::string& point_doc, const std::string& doc) {
+inline void declare_pivot(
+    Declaration& d, std::optional<Vec3>& pivot, const std::string& point_doc, const std::string& doc) {
     Vec3 point = pivot.value_or(Vec3{0, 0, 0});
     const bool present = d.optional_block(
         "pivot", pivot.has_value(),

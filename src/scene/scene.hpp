@@ -23,7 +23,7 @@ enum class Slip { free_slip, no_slip, slip_length };
 struct Face {
     BoundaryKind kind = BoundaryKind::wall;
     Slip slip = Slip::free_slip;
-    double slip_length = 0; // [m]
+    double slip_length = 0;   // [m]
     double skin_friction = 0; // c_f
     Vec3 velocity{0, 0, 0};   // [m/s] of the wall, along itself
     int axis = 0;             // across it
@@ -68,12 +68,12 @@ enum class ViscosityModelKind { newtonian, power_law, carreau, cross, herschel_b
 // Dependence of a liquid's viscosity on the shear rate; its `viscosity` is the law's own (flow/viscosity_model.hpp).
 struct Rheology {
     ViscosityModelKind law = ViscosityModelKind::newtonian;
-    double exponent = 1;              // n in (0, 10]; not newtonian
-    double infinite_shear_viscosity = 0;    // [Pa s] Carreau, Cross: at high rates
-    double relaxation_time = 0;       // [s] Carreau, Cross
-    double yield_stress = 0;          // [Pa] Herschel-Bulkley
-    double regularisation_time = 100; // [s] Herschel-Bulkley
-    double min_shear_rate = 1e-3;   // [1/s] power law, Herschel-Bulkley
+    double exponent = 1;                 // n in (0, 10]; not newtonian
+    double infinite_shear_viscosity = 0; // [Pa s] Carreau, Cross: at high rates
+    double relaxation_time = 0;          // [s] Carreau, Cross
+    double yield_stress = 0;             // [Pa] Herschel-Bulkley
+    double regularisation_time = 100;    // [s] Herschel-Bulkley
+    double min_shear_rate = 1e-3;        // [1/s] power law, Herschel-Bulkley
 
     void declare(Declaration& d); // refuses values of another law
 };
@@ -125,7 +125,7 @@ struct Liquid {
     std::vector<ViscosityRegion> viscosity_regions; // in the place of both; the last one that holds a particle counts
     double surface_tension = 0;                     // [N/m]
     std::vector<Shape> shapes;                      // none: it comes from inlets only
-    bool subtract_bodies = false;                     // where a body is, the liquid is left out
+    bool subtract_bodies = false;                   // where a body is, the liquid is left out
     Vec3 velocity{0, 0, 0};                         // [m/s] at the pivot, at the start
     Vec3 angular_velocity{0, 0, 0};                 // [rad/s] about the pivot, at the start
     VelocityGradient velocity_gradient;             // at the start, besides the angular velocity
@@ -141,7 +141,8 @@ struct Liquid {
     bool sheared() const;
     // True when its particles may differ in viscosity.
     bool varies() const {
-        return rheology.law != ViscosityModelKind::newtonian || !viscosity_profile.points.empty() || !viscosity_regions.empty();
+        return rheology.law != ViscosityModelKind::newtonian || !viscosity_profile.points.empty() ||
+               !viscosity_regions.empty();
     }
 };
 
@@ -191,10 +192,10 @@ enum class JointKind {
 struct Joint {
     std::string name;
     JointKind kind = JointKind::hinge;
-    std::string body;         // name of a dynamic body
-    std::string to;           // name of another body; empty: the world
-    Vec3 point{0, 0, 0};      // [m] at the start
-    Vec3 axis{0, 0, 1};       // of a hinge or a slider, at the start, of any length
+    std::string body;    // name of a dynamic body
+    std::string to;      // name of another body; empty: the world
+    Vec3 point{0, 0, 0}; // [m] at the start
+    Vec3 axis{0, 0, 1};  // of a hinge or a slider, at the start, of any length
     std::string where;
 
     void declare(Declaration& d); // refuses an axis that the kind has no use for
@@ -208,14 +209,14 @@ struct Inlet {
     std::string name;
     std::string liquid; // name; empty: the only one
     InletShape shape = InletShape::disc;
-    Vec3 centre{0, 0, 0};      // [m]
-    Vec3 direction{0, 0, -1};  // of the flow, of any length
-    double radius = 0;         // [m] disc
+    Vec3 centre{0, 0, 0};         // [m]
+    Vec3 direction{0, 0, -1};     // of the flow, of any length
+    double radius = 0;            // [m] disc
     double width = 0, height = 0; // [m] rectangle; in 2D only the width counts
-    Vec3 along{0, 0, 0};       // rectangle: direction of its width; zero: a coordinate axis
-    double flow_rate = 0;      // [m3/s], in 2D [m2/s]: this, or the velocity
-    double velocity = 0;       // [m/s]
-    double start = 0, end = 0; // [s]; end 0: with the run
+    Vec3 along{0, 0, 0};          // rectangle: direction of its width; zero: a coordinate axis
+    double flow_rate = 0;         // [m3/s], in 2D [m2/s]: this, or the velocity
+    double velocity = 0;          // [m/s]
+    double start = 0, end = 0;    // [s]; end 0: with the run
     std::string where;
 
     void declare(Declaration& d); // exactly one of flow_rate and velocity is above 0
@@ -228,8 +229,8 @@ enum class OutletShape { box, half_space };
 struct Outlet {
     std::string name;
     OutletShape shape = OutletShape::box;
-    Vec3 min{0, 0, 0}, max{0, 0, 0};          // [m] box
-    Vec3 point{0, 0, 0}, normal{0, 0, 1};     // half space behind the plane
+    Vec3 min{0, 0, 0}, max{0, 0, 0};      // [m] box
+    Vec3 point{0, 0, 0}, normal{0, 0, 1}; // half space behind the plane
     std::string where;
 
     void declare(Declaration& d); // exactly one of `box` and `half_space`
@@ -275,7 +276,7 @@ struct Output {
 
 // A calibrated lens and its pose, as they stand in effective.yaml.
 struct MeasuredCamera {
-    Lens lens; // its size is that of the camera
+    Lens lens;                 // its size is that of the camera
     Vec3 rotation{0, 0, 0};    // [rad] rotation vector, scene to camera
     Vec3 translation{0, 0, 0}; // [m]
 

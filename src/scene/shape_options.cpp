@@ -22,10 +22,10 @@ void declare_rotation(Declaration& d, Shape& shape, const std::string& centre) {
 void declare_inverted(Declaration& d, Shape& shape) {
     d.boolean("inverted", shape.inverted, "The outside of the shape instead of its inside.");
     d.boolean("clip", shape.clip,
-              "Cuts the shape at the domain's sides, as for a quarter of a ball in a corner between free-slip walls; "
-              "`treacle check` says how much is cut off.");
+        "Cuts the shape at the domain's sides, as for a quarter of a ball in a corner between free-slip walls; "
+        "`treacle check` says how much is cut off.");
     d.check(!shape.clip || !shape.nested, "clip",
-            {"must stand at the outermost shape", "the domain cuts the whole of it, not its parts", "move it there"});
+        {"must stand at the outermost shape", "the domain cuts the whole of it, not its parts", "move it there"});
 }
 
 void declare_centre(Declaration& d, Shape& shape, const std::string& doc) {
@@ -53,8 +53,8 @@ void declare_box(Declaration& d, Shape& shape) {
     const std::size_t axes = d.plane_vectors() ? 2 : 3;
     for (std::size_t i = 0; i < axes; ++i) {
         d.check(shape.min[i] < shape.max[i], "max",
-                {std::string("must be greater than min in ") + "xyz"[i], "the box has no volume",
-                 "swap the corners or make it thicker"});
+            {std::string("must be greater than min in ") + "xyz"[i], "the box has no volume",
+                "swap the corners or make it thicker"});
     }
     if (!d.parsing()) return;
     for (std::size_t i = 0; i < 3; ++i) shape.centre[i] = 0.5 * (shape.min[i] + shape.max[i]);
@@ -85,7 +85,7 @@ void declare_torus(Declaration& d, Shape& shape) {
     declare_rotation(d, shape, "the centre");
     declare_inverted(d, shape);
     d.check(shape.tube_radius < shape.radius, "tube_radius",
-            {"must be < radius", "otherwise the ring has no hole", "use a sphere or a thinner tube"});
+        {"must be < radius", "otherwise the ring has no hole", "use a sphere or a thinner tube"});
 }
 
 void declare_plane(Declaration& d, Shape& shape) {
@@ -100,9 +100,7 @@ Alternatives primitives(Shape& shape) {
     const auto of = [&shape](void (*declare)(Declaration&, Shape&)) {
         return [&shape, declare](Declaration& d) { declare(d, shape); };
     };
-    const auto cylinder = [&shape](Declaration& d) {
-        declare_round(d, shape, "Radius.", "Length along the axis.");
-    };
+    const auto cylinder = [&shape](Declaration& d) { declare_round(d, shape, "Radius.", "Length along the axis."); };
     const auto capsule = [&shape](Declaration& d) {
         declare_round(d, shape, "Radius.", "Distance of the centres of the two round ends.");
     };
@@ -110,12 +108,12 @@ Alternatives primitives(Shape& shape) {
         declare_round(d, shape, "Radius of the base.", "Height; the apex is in the direction of the axis.");
     };
     return {{ShapeKind::box, Alternative{"box", of(declare_box), "A box, given by two corners."}},
-            {ShapeKind::sphere, Alternative{"sphere", of(declare_sphere), "A sphere; in the plane a disc."}},
-            {ShapeKind::cylinder, Alternative{"cylinder", cylinder, "A cylinder."}},
-            {ShapeKind::capsule, Alternative{"capsule", capsule, "A cylinder with round ends."}},
-            {ShapeKind::cone, Alternative{"cone", cone, "A cone."}},
-            {ShapeKind::torus, Alternative{"torus", of(declare_torus), "A ring."}},
-            {ShapeKind::plane, Alternative{"plane", of(declare_plane), "A half space."}}};
+        {ShapeKind::sphere, Alternative{"sphere", of(declare_sphere), "A sphere; in the plane a disc."}},
+        {ShapeKind::cylinder, Alternative{"cylinder", cylinder, "A cylinder."}},
+        {ShapeKind::capsule, Alternative{"capsule", capsule, "A cylinder with round ends."}},
+        {ShapeKind::cone, Alternative{"cone", cone, "A cone."}},
+        {ShapeKind::torus, Alternative{"torus", of(declare_torus), "A ring."}},
+        {ShapeKind::plane, Alternative{"plane", of(declare_plane), "A half space."}}};
 }
 
 // A stand-in for a mesh cannot be a mesh: it could be missing as well.
@@ -125,24 +123,19 @@ void declare_primitive(Declaration& d, Shape& shape) {
 }
 
 void declare_mesh(Declaration& d, Shape& shape) {
-    d.text(
-        "file", shape.file,
+    d.text("file", shape.file,
         "Closed triangle mesh (OBJ, PLY, STL, ...): looked up beside the scene file, then in the folder of "
         "--data, then in that of TREACLE_DATA.");
     d.required("file");
-    d.check(!shape.file.empty(), "file",
-            {"must not be empty", "it names a mesh", "write for instance bunny.ply"});
-    d.number("scale", shape.scale, unit::none, range_above(0),
-             "Factor on the lengths of the file, applied first.");
-    d.number(
-        "size", shape.size, unit::length, range_at_least(0),
+    d.check(!shape.file.empty(), "file", {"must not be empty", "it names a mesh", "write for instance bunny.ply"});
+    d.number("scale", shape.scale, unit::none, range_above(0), "Factor on the lengths of the file, applied first.");
+    d.number("size", shape.size, unit::length, range_at_least(0),
         "When not 0, the longest edge of the bounding box is made this long, and its centre the origin.");
     declare_rotation(d, shape, "the bounding box's centre");
     declare_inverted(d, shape);
     Shape fallback = shape.fallback.empty() ? Shape{} : shape.fallback.front();
     const bool present = d.optional_block(
-        "fallback", !shape.fallback.empty(),
-        [&](Declaration& inside) { declare_primitive(inside, fallback); },
+        "fallback", !shape.fallback.empty(), [&](Declaration& inside) { declare_primitive(inside, fallback); },
         "The shape to use, with a message, when the file is not found.");
     shape.fallback.clear();
     if (present) shape.fallback.push_back(fallback);
@@ -167,7 +160,8 @@ void declare_parts(Declaration& d, std::vector<Shape>& parts, const std::string&
     };
     d.list_of(key, items, doc);
     d.required(key);
-    d.check(!parts.empty(), key, {"must not be empty", "it is a list of shapes", "add a shape, or write what is left as it is"});
+    d.check(!parts.empty(), key,
+        {"must not be empty", "it is a list of shapes", "add a shape, or write what is left as it is"});
 }
 
 void declare_placement(Declaration& d, Shape& shape) {
@@ -178,14 +172,16 @@ void declare_placement(Declaration& d, Shape& shape) {
 
 // Union and intersection.
 void declare_joined(Declaration& d, Shape& shape) {
-    declare_parts(d, shape.parts, "shapes", "The shapes: of any kind, these among them, each with its own place and rotation.");
+    declare_parts(
+        d, shape.parts, "shapes", "The shapes: of any kind, these among them, each with its own place and rotation.");
     declare_placement(d, shape);
 }
 
 void declare_difference(Declaration& d, Shape& shape) {
     Shape from = shape.parts.empty() ? Shape{} : shape.parts.front();
     std::vector<Shape> others(shape.parts.empty() ? shape.parts.begin() : shape.parts.begin() + 1, shape.parts.end());
-    d.block_of("from", [&](Declaration& inside) { declare_part(inside, from); }, "The shape that is cut, of any kind.");
+    d.block_of(
+        "from", [&](Declaration& inside) { declare_part(inside, from); }, "The shape that is cut, of any kind.");
     d.required("from");
     declare_parts(d, others, "subtract", "The shapes that are taken out of it, of any kind.");
     declare_placement(d, shape);

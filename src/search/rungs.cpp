@@ -14,28 +14,32 @@ namespace {
 constexpr std::array orders{0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0};
 constexpr std::array sizes{0.003, 0.01, 0.03, 0.1, 0.3, 1.0}; // of the coarsest rung's error
 constexpr std::array noise_factors{0.5, 0.71, 1.0, 1.41, 2.0, 2.83, 4.0};
-constexpr double usual_order = 1.1, order_deviation = 0.3; // without the rungs: free surfaces are of first order, what else there is of second
-constexpr double impurity = 0.1;     // of a power of the spacing, relative
-constexpr double noise_order = 1.5;  // in spacing
-constexpr int passes = 3;            // of the slope that the impurity is a part of
+constexpr double usual_order = 1.1,
+                 order_deviation =
+                     0.3;           // without the rungs: free surfaces are of first order, what else there is of second
+constexpr double impurity = 0.1;    // of a power of the spacing, relative
+constexpr double noise_order = 1.5; // in spacing
+constexpr int passes = 3;           // of the slope that the impurity is a part of
 constexpr double least_noise = 1e-5; // of values that are given without
 
 std::vector<Rung> ordered(std::span<const Rung> given) {
     std::vector<Rung> rungs(given.begin(), given.end());
     std::ranges::sort(rungs, {}, &Rung::spacing);
     if (rungs.size() < 2)
-        throw InputError({"", "a correction for resolution needs two rungs", "one has nothing to be compared with", "three show an order"});
+        throw InputError({"", "a correction for resolution needs two rungs", "one has nothing to be compared with",
+            "three show an order"});
     for (std::size_t k = 0; k < rungs.size(); ++k) {
         if (!(rungs[k].spacing > 0)) throw InputError({"", "a rung has a spacing that is not positive", "", ""});
         if (k > 0 && rungs[k].spacing == rungs[k - 1].spacing)
-            throw InputError({"", "two rungs have the same spacing", "their difference is noise, no effect of resolution", ""});
+            throw InputError(
+                {"", "two rungs have the same spacing", "their difference is noise, no effect of resolution", ""});
     }
     return rungs;
 }
 
 struct Model {
     double order = 0, size = 0, noise = 0;
-    double evidence = 0; // logarithm
+    double evidence = 0;            // logarithm
     double value = 0, variance = 0; // of the value, less the finest rung's
 };
 
@@ -47,8 +51,10 @@ void judge(std::span<const Rung> rungs, Model& model) {
     for (int pass = 0; pass < passes; ++pass) {
         double ones = 0, one_x = 0, xx = 0, one_y = 0, xy = 0, yy = 0, determinant = 0;
         for (const Rung& rung : rungs) {
-            const double h = rung.spacing / coarsest, x = std::pow(h, model.order), y = rung.value - rungs.front().value;
-            const double own = std::pow(model.noise * std::pow(h, noise_order), 2) / rung.runs + std::pow(impurity * slope * x, 2);
+            const double h = rung.spacing / coarsest, x = std::pow(h, model.order),
+                         y = rung.value - rungs.front().value;
+            const double own =
+                std::pow(model.noise * std::pow(h, noise_order), 2) / rung.runs + std::pow(impurity * slope * x, 2);
             ones += 1 / own;
             one_x += x / own;
             xx += x * x / own;
@@ -60,7 +66,8 @@ void judge(std::span<const Rung> rungs, Model& model) {
         const double k = square / (1 + square * xx), information = ones - k * one_x * one_x;
         model.value = (one_y - k * one_x * xy) / information;
         model.variance = 1 / information;
-        model.evidence = -0.5 * (determinant + std::log(1 + square * xx) + std::log(information) + yy - k * xy * xy - model.value * model.value * information);
+        model.evidence = -0.5 * (determinant + std::log(1 + square * xx) + std::log(information) + yy - k * xy * xy -
+                                    model.value * model.value * information);
         slope = std::min(model.size, std::abs(k * (xy - model.value * one_x)));
     }
 }
@@ -76,7 +83,8 @@ std::vector<Model> models_of(std::span<const Rung> rungs, const RungNoise& noise
             for (const double factor : noise_factors) {
                 Model model{order, size, std::max(least_noise, factor * noise.deviation), 0, 0, 0};
                 judge(rungs, model);
-                model.evidence += noise_evidence(factor, std::max(1, noise.freedom)) - 0.5 * std::pow((order - usual_order) / order_deviation, 2);
+                model.evidence += noise_evidence(factor, std::max(1, noise.freedom)) -
+                                  0.5 * std::pow((order - usual_order) / order_deviation, 2);
                 out.push_back(model);
             }
         }
@@ -90,8 +98,9 @@ std::vector<Model> models_of(std::span<const Rung> rungs, const RungNoise& noise
 
 std::string text_of(const Extrapolation& out, double deviation, std::size_t rungs) {
     char text[200];
-    std::snprintf(text, sizeof text, "an order of %.1f +- %.1f in spacing over %zu rungs, a correction of %+.2g with a standard deviation of %.2g", out.order,
-                  deviation, rungs, out.correction, out.deviation);
+    std::snprintf(text, sizeof text,
+        "an order of %.1f +- %.1f in spacing over %zu rungs, a correction of %+.2g with a standard deviation of %.2g",
+        out.order, deviation, rungs, out.correction, out.deviation);
     return text;
 }
 } // namespace
@@ -111,7 +120,9 @@ Extrapolation extrapolate(std::span<const Rung> given, const RungNoise& noise) {
     }
     out.value = rungs.front().value + out.correction;
     out.deviation = std::sqrt(std::max(0.0, square - out.correction * out.correction));
-    out.noise = noise.deviation > 0 ? std::min(out.deviation, std::sqrt(noises / rungs.front().runs) * std::pow(finest, noise_order)) : 0;
+    out.noise = noise.deviation > 0
+                    ? std::min(out.deviation, std::sqrt(noises / rungs.front().runs) * std::pow(finest, noise_order))
+                    : 0;
     out.text = text_of(out, std::sqrt(std::max(0.0, orders_square - out.order * out.order)), rungs.size());
     return out;
 }

@@ -29,7 +29,8 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
     explicit_forces_ = setup.forces;
     if (viscosity_by_operator(setup)) {
         const auto& forces = setup.forces;
-        viscosity_.emplace(comm, liquid_, setup.options.viscosity, setup.grid, forces.friction, forces.slip_length, forces.rheology);
+        viscosity_.emplace(
+            comm, liquid_, setup.options.viscosity, setup.grid, forces.friction, forces.slip_length, forces.rheology);
         explicit_forces_.viscosity = 0;
     }
     if (setup.options.surface_tension.model != SurfaceTensionModel::none) {
@@ -41,7 +42,8 @@ IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
 }
 
 StepContext IsphStep::parts() {
-    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_, inflow_ || solid_speed() > 0};
+    return {setup_.options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_,
+        inflow_ || solid_speed() > 0};
 }
 
 PressureParts IsphStep::pressure_parts() {
@@ -98,7 +100,8 @@ void IsphStep::rebalance() {
 
 void IsphStep::place_liquid() {
     auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
-    if (solids_unknown(setup_.options)) window = decomposition_.box(); // solids have liquid of other ranks as neighbours
+    if (solids_unknown(setup_.options))
+        window = decomposition_.box(); // solids have liquid of other ranks as neighbours
     sort_.sort(liquid_.store, setup_.grid, window, cells_);
     halo_.rebuild(liquid_.store, cells_);
 }
@@ -109,7 +112,8 @@ void IsphStep::place_solids() {
     // it moves on before the solids are placed anew.
     sort_.sort(solid_.store, setup_.grid, join(decomposition_.box(), occupied), solid_cells_);
     solid_halo_.rebuild(solid_.store, solid_cells_);
-    solid_halo_.gather(solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field(), solid_.normal_field()});
+    solid_halo_.gather(
+        solid_.store, {solid_.volume_field(), solid_.body_field(), solid_.velocity_field(), solid_.normal_field()});
 }
 
 void IsphStep::find_neighbours() {
@@ -141,7 +145,8 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     bodies_.rigid.begin(dt);
     bodies_.set_velocities(solid_);
     report.viscous_loads = apply_forces(parts(), explicit_forces_, dt, bodies_.moment_reference_points());
-    apply_skin_friction(parts(), {setup_.forces.skin_friction, bodies_.moment_reference_points(), dt}, report.viscous_loads);
+    apply_skin_friction(
+        parts(), {setup_.forces.skin_friction, bodies_.moment_reference_points(), dt}, report.viscous_loads);
     if (surface_tension_) surface_tension_->accelerate(parts(), dt);
     if (inflow_) inflow_->hold(liquid_);
 }
@@ -156,9 +161,9 @@ void IsphStep::apply_viscosity(StepReport& report, double dt) {
     auto result = viscosity_->solve({parts(), setup_.forces, &solid_halo_}, bodies_, dt);
     report.viscosity = result.solve;
     if (!result.solve.converged()) {
-        throw SimulationError({"viscosity solve", result.solve.reason,
-                               "after " + std::to_string(result.solve.iterations) + " iterations",
-                               "take a smaller time step or a larger method.viscosity.residual"});
+        throw SimulationError(
+            {"viscosity solve", result.solve.reason, "after " + std::to_string(result.solve.iterations) + " iterations",
+                "take a smaller time step or a larger method.viscosity.residual"});
     }
     if (strongly_coupled()) push_by_viscosity(result.loads, dt);
     for (std::size_t k = 0; k < result.loads.size(); ++k) report.viscous_loads[k] += result.loads[k];
@@ -188,7 +193,7 @@ void IsphStep::accelerate_bodies(StepReport& report, double dt) {
 // (IS2) Moves what stands too close apart, at rest, until the mean compression is below that of the rule; at most so many times.
 void IsphStep::spread(int times) {
     constexpr double close_compression = 0.05; // of liquid half a spacing off corners of solids: 0.04
-    constexpr double dt = 1e-9; // [s]; in which no velocity leads anywhere: places follow from places
+    constexpr double dt = 1e-9;                // [s]; in which no velocity leads anywhere: places follow from places
     SphOptions options = setup_.options;
     options.pressure.stop = StoppingRule::density_error; // a start needs no more than that
     const StepContext loose{options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
@@ -302,7 +307,8 @@ void IsphStep::collect(StepReport& report) {
     }
     const std::size_t n = sums.size();
     const double lost_before = double(report.lost.size()) + double(report.lost_by_cause[0]);
-    for (const auto count : {report.roles.poisson, report.roles.dirichlet, report.roles.separated, report.pinned, report.stopped}) {
+    for (const auto count :
+        {report.roles.poisson, report.roles.dirichlet, report.roles.separated, report.pinned, report.stopped}) {
         sums.push_back(double(count));
     }
     for (const auto count : report.lost_by_cause) sums.push_back(double(count));
@@ -313,7 +319,7 @@ void IsphStep::collect(StepReport& report) {
     if (n > 0) {
         std::copy_n(sums.begin(), report.loads.size(), report.loads.begin());
         std::copy_n(sums.begin() + std::ptrdiff_t(report.loads.size()), report.viscous_loads.size(),
-                    report.viscous_loads.begin());
+            report.viscous_loads.begin());
     }
     const auto count = [&](std::size_t k) { return static_cast<std::int64_t>(std::llround(sums[n + k])); };
     report.roles = {count(0), count(1), count(2)};
@@ -332,9 +338,11 @@ double IsphStep::solid_speed() const {
 double IsphStep::stable_step(double cfl) const {
     const auto u = liquid_.velocity();
     double fastest = 0;
-    Kokkos::parallel_reduce("treacle::fastest", liquid_.store.owned(), KOKKOS_LAMBDA(int i, double& most) {
-        most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2));
-    }, Kokkos::Max<double>(fastest));
+    Kokkos::parallel_reduce(
+        "treacle::fastest", liquid_.store.owned(),
+        KOKKOS_LAMBDA(
+            int i, double& most) { most = math::max(most, u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2)); },
+        Kokkos::Max<double>(fastest));
     const double own = std::sqrt(liquid_.store.owned() > 0 ? fastest : 0.0);
     const double inflow = inflow_ ? inflow_->max_speed() : 0;
     const double speed = comm_.max(std::max({own, setup_.reference_speed, solid_speed(), inflow}));
@@ -342,7 +350,8 @@ double IsphStep::stable_step(double cfl) const {
     const double pull = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double d = setup_.constants.spacing;
     double dt = viscous_step_limit(setup_.options.viscosity, setup_.constants, setup_.forces.viscosity);
-    dt = std::min(dt, capillary_step_limit(setup_.options.surface_tension, setup_.constants, setup_.forces.surface_tension));
+    dt = std::min(
+        dt, capillary_step_limit(setup_.options.surface_tension, setup_.constants, setup_.forces.surface_tension));
     cfl *= setup_.constants.immiscible.step_share;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));

@@ -22,12 +22,12 @@ struct IsphSetup {
     DomainBox domain;
     CellGrid grid;
     double reference_speed = 0; // sqrt(g H): the speed at which the weight of the liquid acts on it [m/s]
-    int bodies = 1; // solids that carry loads; 0 is the domain's walls
-    rigid::BodiesSetup rigid; // may be empty: then all solids rest
+    int bodies = 1;             // solids that carry loads; 0 is the domain's walls
+    rigid::BodiesSetup rigid;   // may be empty: then all solids rest
     std::vector<double> boundary_volume_factor; // per body of `rigid`, or empty: factor on its particles' volumes
     flow::InflowSetup inflow;
-    std::vector<Vec3> sides;  // [m/s] velocities of the domain's sides along themselves; empty: they rest
-    int first_body = 0;       // number, among the solids that carry loads, of the first of these bodies
+    std::vector<Vec3> sides; // [m/s] velocities of the domain's sides along themselves; empty: they rest
+    int first_body = 0;      // number, among the solids that carry loads, of the first of these bodies
 };
 
 // Hybrid incompressible SPH (dissertation, Algorithms 1 and 2), collective over the decomposition's ranks.
@@ -64,7 +64,9 @@ public:
     std::vector<std::int64_t> decomposition_state() const;
     // The inlets as a checkpoint has them, empty without; before start() or restore().
     std::vector<double> inflow_state() const { return inflow_ ? inflow_->state() : std::vector<double>{}; }
-    void restore_inflow(const std::vector<double>& state) { if (inflow_) inflow_->restore(state); }
+    void restore_inflow(const std::vector<double>& state) {
+        if (inflow_) inflow_->restore(state);
+    }
     // Particles that flowed in since the start of the run, over all ranks.
     std::int64_t emitted() const { return inflow_ ? inflow_->emitted() : 0; }
 
@@ -103,7 +105,8 @@ private:
     void collect(StepReport& report);
     StepContext parts();
     PressureParts pressure_parts();
-    double solid_speed() const; // bound of the speeds of bodies that move and of the domain's sides [m/s]; the same on all ranks
+    double solid_speed()
+        const; // bound of the speeds of bodies that move and of the domain's sides [m/s]; the same on all ranks
 
     Comm comm_;
     IsphSetup setup_;

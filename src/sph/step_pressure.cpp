@@ -25,20 +25,21 @@ void add_work(const solve::SolveReport& other, solve::SolveReport& to) {
 
 [[noreturn]] void fail(const solve::SolveReport& report, std::int64_t unknowns, const std::string& instead) {
     throw SimulationError({"pressure solve", report.reason,
-                           "after " + std::to_string(report.iterations) + " iterations on " +
-                               std::to_string(unknowns) + " unknowns",
-                           "take a smaller time step, or " + instead});
+        "after " + std::to_string(report.iterations) + " iterations on " + std::to_string(unknowns) + " unknowns",
+        "take a smaller time step, or " + instead});
 }
 
-std::int64_t particles(const StepContext& parts) { return parts.comm.sum(static_cast<std::int64_t>(parts.liquid.store.owned())); }
+std::int64_t particles(const StepContext& parts) {
+    return parts.comm.sum(static_cast<std::int64_t>(parts.liquid.store.owned()));
+}
 } // namespace
 
 bool solids_unknown(const SphOptions& options) {
     return options.pressure.solver == PressureSolver::isph && options.pressure.solid_term == SolidTerm::unknowns;
 }
 
-StepPressure::StepPressure(const Comm& comm, const SphOptions& options, const Constants& constants, const DomainBox& domain,
-                           const CellGrid& grid, const Vec3& gravity)
+StepPressure::StepPressure(const Comm& comm, const SphOptions& options, const Constants& constants,
+    const DomainBox& domain, const CellGrid& grid, const Vec3& gravity)
     : comm_(comm), options_(options), constants_(constants), iisph_(gravity),
       hierarchy_(make_hierarchy(comm, options, constants, domain, grid)),
       solver_(comm, "pressure", krylov_options(options, constants.dimensions, hierarchy_.get())),
@@ -82,17 +83,18 @@ void StepPressure::predict_roles(const PressureParts& parts, StepReport& report,
     halo.gather(liquid.store, {liquid.role_field()});
     if (solids_unknown(options)) {
         find_around_solids(parts);
-        report.roles.poisson += solid_rows_.predict(options, constants, liquid, parts.solid, neighbours, parts.solid_halo);
+        report.roles.poisson +=
+            solid_rows_.predict(options, constants, liquid, parts.solid, neighbours, parts.solid_halo);
     }
     report.pinned = bounded(options) ? complementarity_.anchor(complementarity_parts(parts.step))
-                                       : pinning_.anchor(options, constants, comm, liquid, neighbours, halo);
+                                     : pinning_.anchor(options, constants, comm, liquid, neighbours, halo);
 }
 
 void StepPressure::assemble(const PressureParts& parts) {
     const auto& step = parts.step;
     if (solids_unknown(options_)) {
         system_.assemble_with_solids(options_, constants_, comm_,
-                               {step.liquid, parts.solid, step.neighbours, solid_rows_, step.halo, parts.solid_halo});
+            {step.liquid, parts.solid, step.neighbours, solid_rows_, step.halo, parts.solid_halo});
     } else {
         system_.assemble(options_, constants_, comm_, step.liquid, step.neighbours, step.halo);
     }
@@ -114,8 +116,8 @@ solve::ConvergenceTest StepPressure::convergence_test(const StepReport& report, 
 }
 
 // (S7)
-void StepPressure::solve_system(const StepContext& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host, StepReport& report,
-                                double dt) {
+void StepPressure::solve_system(const StepContext& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host,
+    StepReport& report, double dt) {
     const auto rows = static_cast<std::size_t>(system_.rows());
     const auto test = convergence_test(report, dt);
     if (hierarchy_) hierarchy_->refer_to(parts.liquid, parts.solid);
@@ -123,10 +125,12 @@ void StepPressure::solve_system(const StepContext& parts, solve::Matrix& matrix,
         report.pressure = complementarity_.solve(complementarity_parts(parts), matrix, host, test, report.pinned);
         report.misclassified = comm_.sum(complementarity_.misclassified());
     } else {
-        report.pressure = solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
+        report.pressure =
+            solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, test);
     }
     system_.take_solution(host);
-    if (!report.pressure.converged()) fail(report.pressure, system_.global_rows(), "another method.pressure.preconditioner");
+    if (!report.pressure.converged())
+        fail(report.pressure, system_.global_rows(), "another method.pressure.preconditioner");
 }
 
 // (S7c)
@@ -149,7 +153,8 @@ void StepPressure::find_by_system(const PressureParts& parts, StepReport& report
     }
     auto& liquid = parts.step.liquid;
     solve::Matrix matrix(comm_, system_.blocks(host));
-    if (implicit_bodies(options_, parts.bodies)) matrix.set_matrix_free_term(response_.addition(comm_, liquid, system_));
+    if (implicit_bodies(options_, parts.bodies))
+        matrix.set_matrix_free_term(response_.addition(comm_, liquid, system_));
     if (matrix_observer_) matrix_observer_(matrix);
     const auto phase = parts.timers.scope("solve");
     solve_system(parts.step, matrix, host, report, dt);
@@ -182,10 +187,12 @@ void StepPressure::solve(const PressureParts& parts, StepReport& report, double 
     }
 }
 
-void StepPressure::shift(const StepContext& parts, const MomentReferencePoints& moment_reference_points, StepReport& report, double dt) {
+void StepPressure::shift(
+    const StepContext& parts, const MomentReferencePoints& moment_reference_points, StepReport& report, double dt) {
     parts.halo.gather(parts.liquid.store, {parts.liquid.velocity_field()});
     const auto shifted = iisph_.shift(parts, dt);
-    if (options_.pressure.wall_contact == WallContact::stop) stop_shift_at_walls(parts, {moment_reference_points, dt}, parts.liquid.acceleration());
+    if (options_.pressure.wall_contact == WallContact::stop)
+        stop_shift_at_walls(parts, {moment_reference_points, dt}, parts.liquid.acceleration());
     add_work(shifted, report.pressure);
     if (!shifted.converged()) fail(shifted, particles(parts), "method.pressure.recovery: velocities");
 }

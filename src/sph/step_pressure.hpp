@@ -1,13 +1,13 @@
 #pragma once
 #include "base/timers.hpp"
 #include "sph/forces/inflow.hpp"
-#include "sph/iisph/orthomin_correction.hpp"
 #include "sph/iisph/iisph.hpp"
+#include "sph/iisph/orthomin_correction.hpp"
 #include "sph/model/step_context.hpp"
-#include "sph/pressure/rigid_coupling_term.hpp"
 #include "sph/pressure/complementarity.hpp"
 #include "sph/pressure/pressure_hierarchy.hpp"
 #include "sph/pressure/pressure_system.hpp"
+#include "sph/pressure/rigid_coupling_term.hpp"
 #include "sph/solids/bodies.hpp"
 #include "sph/step_report.hpp"
 
@@ -32,8 +32,8 @@ struct PressureParts {
 // fail throw SimulationError on every rank.
 class StepPressure {
 public:
-    StepPressure(const Comm& comm, const SphOptions& options, const Constants& constants, const DomainBox& domain, const CellGrid& grid,
-                 const Vec3& gravity);
+    StepPressure(const Comm& comm, const SphOptions& options, const Constants& constants, const DomainBox& domain,
+        const CellGrid& grid, const Vec3& gravity);
 
     // The fields that the solver keeps from step to step; once, before there are particles.
     void add_fields(LiquidParticles& liquid);
@@ -47,7 +47,8 @@ public:
     void remove_divergence(const PressureParts& parts, StepReport& report, double dt);
     // (IS2) Particles where the velocities leave liquid that is compressed move on by more than their velocities: writes the
     // difference to the acceleration field [m/s]. Collective.
-    void shift(const StepContext& parts, const MomentReferencePoints& moment_reference_points, StepReport& report, double dt);
+    void shift(
+        const StepContext& parts, const MomentReferencePoints& moment_reference_points, StepReport& report, double dt);
     // For a shift() without a solve() before it.
     void prepare_shift(const StepContext& parts) { iisph_.prepare_pairs(parts); }
 
@@ -64,7 +65,8 @@ private:
     void find_around_solids(const PressureParts& parts);
     void assemble(const PressureParts& parts);
     solve::ConvergenceTest convergence_test(const StepReport& report, double dt) const;
-    void solve_system(const StepContext& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host, StepReport& report, double dt);
+    void solve_system(const StepContext& parts, solve::Matrix& matrix, const PressureSystem::HostSystem& host,
+        StepReport& report, double dt);
     void correct(const StepContext& parts, solve::Matrix& matrix, StepReport& report, double dt);
     ComplementarityContext complementarity_parts(const StepContext& parts);
 

@@ -7,13 +7,15 @@
 
 namespace treacle::study {
 
-std::vector<Assignment> assignments_of(const Study& study, const StudyScene& scene, const Point& values, const std::vector<std::string>& changes) {
+std::vector<Assignment> assignments_of(
+    const Study& study, const StudyScene& scene, const Point& values, const std::vector<std::string>& changes) {
     std::vector<Assignment> out;
     for (const auto& text : scene.set) out.push_back({text, scene.where + ": set " + text});
     for (const auto& one : study.measured) out.push_back({one.key + "=" + one.value, one.where + ": " + one.name});
     for (std::size_t i = 0; i < study.parameters.size(); ++i) {
         const auto& parameter = study.parameters[i];
-        out.push_back({parameter.key + "=" + values.at(i), parameter.where + ": " + parameter.name + " = " + values[i]});
+        out.push_back(
+            {parameter.key + "=" + values.at(i), parameter.where + ": " + parameter.name + " = " + values[i]});
     }
     for (const auto& text : changes) out.push_back({text, "change of the run: " + text});
     return out;
@@ -21,7 +23,8 @@ std::vector<Assignment> assignments_of(const Study& study, const StudyScene& sce
 
 std::string program_identity() {
     const auto build = io::build_info();
-    return "treacle " + build.version + " (" + build.commit + ", " + build.state + ", " + build.compiler + ", " + build.type + ")";
+    return "treacle " + build.version + " (" + build.commit + ", " + build.state + ", " + build.compiler + ", " +
+           build.type + ")";
 }
 
 std::string run_key(const SceneFacts& facts, int ranks, const std::string& program) {
@@ -35,7 +38,8 @@ JournalOwner owner_of(const Study& study, const std::string& program) {
     return {io::text_hash(text), program};
 }
 
-Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene, const std::vector<std::string>& changes) {
+Candidate candidate_of(const Study& study, const StudyScene& scene, const Point& values, const SceneReader& read_scene,
+    const std::vector<std::string>& changes) {
     const auto facts = read_scene(study.scene_file(scene), assignments_of(study, scene, values, changes));
     return {scene.name, values, run_key(facts, study.runs.ranks, program_identity()), facts.end, facts.work, changes};
 }
@@ -45,7 +49,8 @@ namespace {
 std::string without_values(const std::string& text) { return text.substr(0, text.find(" = ")); }
 } // namespace
 
-std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point>& points, const SceneReader& read_scene) {
+std::vector<Candidate> candidates_of(
+    const Study& study, const std::vector<Point>& points, const SceneReader& read_scene) {
     std::vector<Candidate> out;
     std::vector<Diagnostic> problems;
     for (const auto& point : points) {
@@ -56,7 +61,8 @@ std::vector<Candidate> candidates_of(const Study& study, const std::vector<Point
                 // A fault of a key at every point is reported once, with the first value.
                 for (const auto& problem : error.diagnostics()) {
                     const bool known = std::ranges::any_of(problems, [&](const Diagnostic& one) {
-                        return without_values(one.where) == without_values(problem.where) && without_values(one.problem) == without_values(problem.problem);
+                        return without_values(one.where) == without_values(problem.where) &&
+                               without_values(one.problem) == without_values(problem.problem);
                     });
                     if (!known) problems.push_back(problem);
                 }

@@ -28,7 +28,8 @@ std::pair<std::string, std::string> value_and_label(std::string line) {
 
 DakotaParameters read_dakota_parameters(const std::filesystem::path& path) {
     std::ifstream file(path);
-    if (!file) throw InputError({path.string(), "cannot be read", "Dakota writes the variables into it", "check its name"});
+    if (!file)
+        throw InputError({path.string(), "cannot be read", "Dakota writes the variables into it", "check its name"});
     DakotaParameters out;
     int count = -1, number = 0;
     for (std::string line; std::getline(file, line);) {
@@ -36,11 +37,14 @@ DakotaParameters read_dakota_parameters(const std::filesystem::path& path) {
         const auto [value, label] = value_and_label(line);
         if (value.empty()) continue;
         const auto where = path.string() + ":" + std::to_string(number);
-        if (label.empty()) throw InputError({where, "has no label: " + shorten(line), "a line is a value and its label", "see params.in of `treacle sweep --ask`"});
+        if (label.empty())
+            throw InputError({where, "has no label: " + shorten(line), "a line is a value and its label",
+                "see params.in of `treacle sweep --ask`"});
         if (count < 0) {
             const auto words = read_number(value);
             if ((label != "variables" && label != "DAKOTA_VARS") || !words) {
-                throw InputError({where, "is not the number of variables", "a parameters file of Dakota's begins with it", "write for instance: 2 variables"});
+                throw InputError({where, "is not the number of variables",
+                    "a parameters file of Dakota's begins with it", "write for instance: 2 variables"});
             }
             count = int(*words);
         } else if (int(out.variables.size()) < count) {
@@ -50,7 +54,10 @@ DakotaParameters read_dakota_parameters(const std::filesystem::path& path) {
         }
     }
     if (count < 0 || int(out.variables.size()) < count) {
-        throw InputError({path.string(), "is not whole", "it has " + std::to_string(out.variables.size()) + " of " + std::to_string(std::max(0, count)) + " variables", "write it again"});
+        throw InputError({path.string(), "is not whole",
+            "it has " + std::to_string(out.variables.size()) + " of " + std::to_string(std::max(0, count)) +
+                " variables",
+            "write it again"});
     }
     return out;
 }

@@ -22,14 +22,18 @@ void take_one(const Study& study, Journal& journal, const std::filesystem::path&
     const auto request = read_request(folder);
     const auto* run = journal.find(request.run.key);
     if (request.study != study.path || !run) {
-        throw InputError({where, "asks for no run of this study", "it was written for " + request.study.string() + ", or its scene has changed since", ""});
+        throw InputError({where, "asks for no run of this study",
+            "it was written for " + request.study.string() + ", or its scene has changed since", ""});
     }
-    if (run->number != request.run.number) throw InputError({where, "has the number of another run", "this study's has number " + std::to_string(run->number), ""});
+    if (run->number != request.run.number)
+        throw InputError(
+            {where, "has the number of another run", "this study's has number " + std::to_string(run->number), ""});
     const auto* known = journal.outcome(run->number);
     RunOutcome outcome{run->number, RunStatus::failed, read_failure(folder), {}, 0, 0, 0, 0, utc_now(), "", where};
     const auto result = read_result(folder, run->key);
     if (!result && std::filesystem::exists(folder / "result.json")) {
-        throw InputError({where, "has the result of another run", "its key is not that of its params.yaml", "remove result.json, and run it again"});
+        throw InputError({where, "has the result of another run", "its key is not that of its params.yaml",
+            "remove result.json, and run it again"});
     }
     if (result) {
         take_result(*result, outcome);
@@ -39,7 +43,8 @@ void take_one(const Study& study, Journal& journal, const std::filesystem::path&
         return;
     }
     if (known && known->status == RunStatus::done) {
-        if (result && !same_figures(known->figures, outcome.figures)) throw InputError({where, "has other figures than the run had before", "those count", ""});
+        if (result && !same_figures(known->figures, outcome.figures))
+            throw InputError({where, "has other figures than the run had before", "those count", ""});
         ++taken.known;
         return;
     }
@@ -52,8 +57,8 @@ void take_one(const Study& study, Journal& journal, const std::filesystem::path&
 }
 } // namespace
 
-std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, std::span<const std::int64_t> runs, int count,
-                                   const std::filesystem::path& folder, bool retry_failed) {
+std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, std::span<const std::int64_t> runs,
+    int count, const std::filesystem::path& folder, bool retry_failed) {
     std::vector<std::int64_t> out;
     for (const auto number : runs) {
         if (int(out.size()) == count) break;
@@ -73,7 +78,8 @@ TakenIn take_in(const Study& study, Journal& journal, const std::filesystem::pat
         throw InputError({folder.string(), "is no folder", "the folders of runs stand in it", "name that of --to"});
     }
     std::vector<std::filesystem::path> folders;
-    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::absolute(folder).lexically_normal())) {
+    for (const auto& entry :
+        std::filesystem::directory_iterator(std::filesystem::absolute(folder).lexically_normal())) {
         if (entry.is_directory()) folders.push_back(entry.path());
     }
     std::ranges::sort(folders);

@@ -11,8 +11,8 @@ namespace treacle::study {
 
 // Writes the folders of the next runs without an outcome, `count` of them at most, that have none there yet; of those that
 // failed as well where they are to be retried. Returns their numbers.
-std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, std::span<const std::int64_t> runs, int count,
-                                   const std::filesystem::path& folder, bool retry_failed);
+std::vector<std::int64_t> hand_out(const Study& study, const Journal& journal, std::span<const std::int64_t> runs,
+    int count, const std::filesystem::path& folder, bool retry_failed);
 
 // Numbers of folders that take_in() found.
 struct TakenIn {

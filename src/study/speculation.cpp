@@ -39,7 +39,8 @@ std::optional<LaneTask> Speculation::next(const Journal& journal) {
 
 std::optional<std::int64_t> Speculation::stale() const {
     if (offered_.empty()) return {};
-    const auto found = std::ranges::find_if(running_, [](const auto& entry) { return !entry.second.offered && !entry.second.claimed; });
+    const auto found = std::ranges::find_if(
+        running_, [](const auto& entry) { return !entry.second.offered && !entry.second.claimed; });
     return found == running_.end() ? std::nullopt : std::optional(found->first);
 }
 

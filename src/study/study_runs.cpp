@@ -65,7 +65,8 @@ RunStatus status_of(const LaneResult& result) {
 const std::filesystem::path& made(const std::filesystem::path& folder) {
     std::error_code failed;
     std::filesystem::create_directories(folder / "runs", failed);
-    if (failed) throw InputError({folder.string(), "cannot be made", failed.message(), "choose another folder with --out"});
+    if (failed)
+        throw InputError({folder.string(), "cannot be made", failed.message(), "choose another folder with --out"});
     return folder;
 }
 } // namespace
@@ -79,22 +80,27 @@ void check_launcher(const Study& study) {
     const auto words = study.runs.launch_words();
     if (words.empty() || !find_program(words.front()).empty()) return;
     throw InputError({study.runs.launcher_where, "runs.launcher = " + words.front() + ": there is no such program",
-                      study.runs.launcher.empty() ? "it starts the " + std::to_string(study.runs.ranks) + " ranks of each run" : "it is in front of each run's command",
-                      "check its name and the PATH, or load its module"});
+        study.runs.launcher.empty() ? "it starts the " + std::to_string(study.runs.ranks) + " ranks of each run"
+                                    : "it is in front of each run's command",
+        "check its name and the PATH, or load its module"});
 }
 
 StudyRuns::StudyRuns(const Study& study, StudySetup setup, Log& log)
-    : study_(study), setup_(std::move(setup)), log_(log), lock_(made(setup_.folder)), journal_(Journal::open(setup_.folder, owner_of(study, program_identity()))),
-      lane_count_(lane_count(study.runs)), speculation_(study, setup_.folder / "speculative"),
-      start_(std::chrono::steady_clock::now()), last_report_(start_ - std::chrono::seconds(1)) { // the first is due at once
+    : study_(study), setup_(std::move(setup)), log_(log), lock_(made(setup_.folder)),
+      journal_(Journal::open(setup_.folder, owner_of(study, program_identity()))), lane_count_(lane_count(study.runs)),
+      speculation_(study, setup_.folder / "speculative"), start_(std::chrono::steady_clock::now()),
+      last_report_(start_ - std::chrono::seconds(1)) { // the first is due at once
     if (!lock_.warning().empty()) log_.warn(lock_.warning());
     for (const auto& other : study_.runs.reuse) {
-        const auto folder = std::filesystem::path(other).is_absolute() ? std::filesystem::path(other) : study_.path.parent_path() / other;
+        const auto folder = std::filesystem::path(other).is_absolute() ? std::filesystem::path(other)
+                                                                       : study_.path.parent_path() / other;
         others_.emplace_back(folder, Journal::read(folder));
     }
 }
 
-std::filesystem::path StudyRuns::run_folder(std::int64_t number) const { return setup_.folder / "runs" / request_folder(number); }
+std::filesystem::path StudyRuns::run_folder(std::int64_t number) const {
+    return setup_.folder / "runs" / request_folder(number);
+}
 
 std::filesystem::path StudyRuns::folder_of(std::int64_t number) const {
     const auto* outcome = journal_.outcome(number);
@@ -104,7 +110,9 @@ std::filesystem::path StudyRuns::folder_of(std::int64_t number) const {
 std::int64_t StudyRuns::ask(const Candidate& candidate) {
     simulated_end_ = candidate.end;
     const auto* known = journal_.find(candidate.key);
-    const auto number = known ? known->number : journal_.ask(candidate.scene, candidate.values, candidate.key, candidate.changes).number;
+    const auto number = known
+                            ? known->number
+                            : journal_.ask(candidate.scene, candidate.values, candidate.key, candidate.changes).number;
     work_[number] = candidate.work;
     cuts_.erase(number);
     if (candidate.cut < no_cut) cuts_[number] = candidate.cut;
@@ -124,10 +132,12 @@ bool StudyRuns::adopt_finished(std::int64_t number) {
     // Speculative runs have no cut. Where one is requested with a cut, what is recorded would depend on what lanes had
     // time for.
     const bool may_take = cut(number) == no_cut;
-    if (!result && may_take && speculation_.take(run.key, run_folder(number))) result = read_result(run_folder(number), run.key);
+    if (!result && may_take && speculation_.take(run.key, run_folder(number)))
+        result = read_result(run_folder(number), run.key);
     if (result) {
         tidy(run_folder(number));
-        RunOutcome outcome{number, RunStatus::done, "", {}, result->seconds, 0, folder_bytes(run_folder(number)), 0, utc_now(), io::host_name(), ""};
+        RunOutcome outcome{number, RunStatus::done, "", {}, result->seconds, 0, folder_bytes(run_folder(number)), 0,
+            utc_now(), io::host_name(), ""};
         take_result(*result, outcome);
         journal_.finish(outcome);
         return true;
@@ -160,8 +170,8 @@ void StudyRuns::check_space(const RunOutcome& outcome) const {
     const auto space = std::filesystem::space(setup_.folder, unknown);
     if (!is_failure(outcome.status) || unknown || space.available >= least_space) return;
     throw SimulationError({setup_.folder.string(), "the disk is full: " + format_bytes(space.available) + " are free",
-                           "run " + std::to_string(outcome.number) + " " + word(outcome.status) + " there (" + outcome.reason + ")",
-                           "free some space, then start again: the same command goes on, and what is done stays"});
+        "run " + std::to_string(outcome.number) + " " + word(outcome.status) + " there (" + outcome.reason + ")",
+        "free some space, then start again: the same command goes on, and what is done stays"});
 }
 
 void StudyRuns::finish(const LaneResult& result) {
@@ -183,7 +193,8 @@ std::vector<std::string> session_of_its_own(const RunOptions& options, const std
 
 Lanes& StudyRuns::open_lanes() {
     if (!lanes_) {
-        lanes_ = std::make_unique<Lanes>(lane_count_, LaneLimits{study_.runs.time_limit, study_.runs.hang_factor, study_.runs.hang_least, study_.runs.memory * 1e9});
+        lanes_ = std::make_unique<Lanes>(lane_count_, LaneLimits{study_.runs.time_limit, study_.runs.hang_factor,
+                                                          study_.runs.hang_least, study_.runs.memory * 1e9});
     }
     return *lanes_;
 }
@@ -216,7 +227,8 @@ RunOutcome StudyRuns::settle(const LaneResult& result) const {
     out.started = result.started;
     out.host = io::host_name();
     std::optional<ForwardResult> read;
-    if (result.end == LaneEnd::none && result.ending.signal == 0 && result.ending.exit_code == 0) read = read_result(folder, run.key);
+    if (result.end == LaneEnd::none && result.ending.signal == 0 && result.ending.exit_code == 0)
+        read = read_result(folder, run.key);
     if (read) {
         take_result(*read, out);
     } else {
@@ -233,7 +245,8 @@ void StudyRuns::read_again(std::int64_t number) {
     if (!outcome || outcome->status != RunStatus::done || are_read(study_, outcome->figures)) return;
     const auto run = folder_of(number) / "run";
     if (!std::filesystem::exists(run / "steps.csv")) {
-        log_.warn("run " + std::to_string(number) + " has other figures than the study reads, and its tables were not kept");
+        log_.warn(
+            "run " + std::to_string(number) + " has other figures than the study reads, and its tables were not kept");
         return;
     }
     auto fresh = *outcome;
@@ -246,12 +259,13 @@ void StudyRuns::check_disk() const {
     if (study_.runs.disk <= 0) return;
     double sum = speculation_.bytes();
     for (const auto& run : journal_.runs()) {
-        if (const auto* outcome = journal_.outcome(run.number); outcome && outcome->folder.empty()) sum += outcome->bytes;
+        if (const auto* outcome = journal_.outcome(run.number); outcome && outcome->folder.empty())
+            sum += outcome->bytes;
     }
     if (sum < study_.runs.disk * 1e9) return;
     throw SimulationError({setup_.folder.string(), "the runs take " + format_bytes(std::uint64_t(sum)),
-                           "runs.disk allows " + format_bytes(std::uint64_t(study_.runs.disk * 1e9)),
-                           "raise it, keep less (runs.keep), or remove folders of runs that are done; then start again"});
+        "runs.disk allows " + format_bytes(std::uint64_t(study_.runs.disk * 1e9)),
+        "raise it, keep less (runs.keep), or remove folders of runs that are done; then start again"});
 }
 
 bool StudyRuns::is_answered(std::int64_t number, bool retry_failed) const {
@@ -321,7 +335,8 @@ void StudyRuns::fill_lanes(std::deque<std::int64_t>& queue, std::set<std::int64_
     }
 }
 
-void StudyRuns::take(const std::vector<LaneResult>& results, std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way) {
+void StudyRuns::take(
+    const std::vector<LaneResult>& results, std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way) {
     for (const auto& result : results) {
         if (result.number > 0) {
             under_way.erase(result.number);
@@ -363,7 +378,8 @@ StudyEnd StudyRuns::run(std::span<const std::int64_t> runs, bool retry_failed) {
     return StudyEnd::complete;
 }
 
-void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, std::vector<LaneProgress> under_way, int lanes) {
+void StudyRuns::report(
+    std::span<const std::int64_t> runs, std::size_t fresh, std::vector<LaneProgress> under_way, int lanes) {
     const auto now = std::chrono::steady_clock::now();
     if (std::chrono::duration<double>(now - last_report_).count() < 1) return;
     last_report_ = now;
@@ -378,7 +394,9 @@ void StudyRuns::report(std::span<const std::int64_t> runs, std::size_t fresh, st
     write_status(setup_.folder / "status.json", status);
     if (changed_ && setup_.changed) setup_.changed();
     changed_ = false;
-    log_.progress(double(status.done + status.stopped_early + status.failed) / double(std::max<std::size_t>(1, runs.size())), describe(status));
+    log_.progress(
+        double(status.done + status.stopped_early + status.failed) / double(std::max<std::size_t>(1, runs.size())),
+        describe(status));
 }
 
 } // namespace treacle::study

@@ -62,8 +62,9 @@ public:
     const Journal& journal() const { return journal_; }          // all runs so far
     const Study& study() const { return study_; }                // of the constructor
     std::filesystem::path run_folder(std::int64_t number) const; // with the request and the result
-    std::filesystem::path folder_of(std::int64_t number) const;  // likewise, be it that of another study which has done it
-    int lanes() const { return lane_count_; }                    // runs at once
+    std::filesystem::path folder_of(
+        std::int64_t number) const;           // likewise, be it that of another study which has done it
+    int lanes() const { return lane_count_; } // runs at once
 
 private:
     RunOutcome settle(const LaneResult& result) const;
@@ -73,7 +74,8 @@ private:
     Lanes& open_lanes();
     void start(LaneTask task);
     void fill_lanes(std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way);
-    void take(const std::vector<LaneResult>& results, std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way);
+    void take(
+        const std::vector<LaneResult>& results, std::deque<std::int64_t>& queue, std::set<std::int64_t>& under_way);
     void give_up(std::int64_t speculative);
     const RunRequest& request(std::int64_t number) const { return journal_.runs()[std::size_t(number - 1)]; }
     void tidy(const std::filesystem::path& folder) const;

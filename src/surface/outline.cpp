@@ -47,7 +47,11 @@ std::vector<EdgeSide> outline_edges(const Comm& comm, const Mesh& mesh, const st
             const std::size_t n = (k + 1) % 3;
             const auto i = mesh.global[static_cast<std::size_t>(t[k])], j = mesh.global[static_cast<std::size_t>(t[n])];
             const bool turned = j < i;
-            EdgeSide side{std::min(i, j), std::max(i, j), {}, {}, (area > 0 ? 1.0 : area < 0 ? -1.0 : 0.0) * (turned ? -1 : 1)};
+            EdgeSide side{std::min(i, j), std::max(i, j), {}, {},
+                (area > 0      ? 1.0
+                    : area < 0 ? -1.0
+                               : 0.0) *
+                    (turned ? -1 : 1)};
             std::copy_n((turned ? p[n] : p[k])->camera.data(), 3, side.a);
             std::copy_n((turned ? p[k] : p[n])->camera.data(), 3, side.b);
             meet(side);
@@ -72,22 +76,25 @@ std::vector<EdgeSide> outline_edges(const Comm& comm, const Mesh& mesh, const st
 } // namespace
 
 std::vector<float> outline_distance(const Comm& comm, const Mesh& mesh, const scene::CameraModel& camera,
-                                    const Silhouette& silhouette, const Exposure& exposure, double band) {
+    const Silhouette& silhouette, const Exposure& exposure, double band) {
     const Projection projection(camera, exposure);
     std::vector<Seen> seen(static_cast<std::size_t>(mesh.size()));
     for (std::size_t v = 0; v < seen.size(); ++v) {
-        seen[v] = projection.see(mesh.vertices.data() + 3 * v, mesh.velocity.empty() ? nullptr : mesh.velocity.data() + 3 * v);
+        seen[v] = projection.see(
+            mesh.vertices.data() + 3 * v, mesh.velocity.empty() ? nullptr : mesh.velocity.data() + 3 * v);
     }
     const int width = silhouette.width, height = silhouette.height;
     const auto covered = [&](double x, double y) {
         const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
         return column >= 0 && column < width && row >= 0 && row < height &&
-               silhouette.mask[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)] != 0;
+               silhouette.mask[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                               static_cast<std::size_t>(column)] != 0;
     };
     std::vector<double> nearness(silhouette.mask.size(), -band); // minus the distance
     const auto reach = static_cast<int>(std::ceil(band));
     for (const auto& edge : outline_edges(comm, mesh, seen)) {
-        const Seen a = projection.at({edge.a[0], edge.a[1], edge.a[2]}), b = projection.at({edge.b[0], edge.b[1], edge.b[2]});
+        const Seen a = projection.at({edge.a[0], edge.a[1], edge.a[2]}),
+                   b = projection.at({edge.b[0], edge.b[1], edge.b[2]});
         const double length = std::hypot(b.x - a.x, b.y - a.y);
         if (length == 0) continue;
         // The liquid is where both triangles are: on the left by `outward` (rows go down).
@@ -100,7 +107,8 @@ std::vector<float> outline_distance(const Comm& comm, const Mesh& mesh, const sc
             const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
             for (int j = std::max(0, row - reach); j <= std::min(height - 1, row + reach); ++j) {
                 for (int i = std::max(0, column - reach); i <= std::min(width - 1, column + reach); ++i) {
-                    auto& nearest = nearness[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
+                    auto& nearest = nearness[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
+                                             static_cast<std::size_t>(i)];
                     nearest = std::max(nearest, -std::hypot(i - x, j - y));
                 }
             }
@@ -108,7 +116,8 @@ std::vector<float> outline_distance(const Comm& comm, const Mesh& mesh, const sc
     }
     comm.max(std::span<double>(nearness));
     std::vector<float> out(nearness.size());
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<float>(silhouette.mask[k] != 0 ? -nearness[k] : nearness[k]);
+    for (std::size_t k = 0; k < out.size(); ++k)
+        out[k] = static_cast<float>(silhouette.mask[k] != 0 ? -nearness[k] : nearness[k]);
     return out;
 }
 

@@ -30,17 +30,21 @@ struct Drawing {
 
 std::int64_t Silhouette::count() const { return std::count(mask.begin(), mask.end(), std::uint8_t{1}); }
 
-Silhouette draw_silhouette(const Comm& comm, const Mesh& mesh, const scene::CameraModel& camera, const Exposure& exposure,
-                           const HidingTriangles* solids, double straightness) {
-    if (mesh.dimensions != 3) throw InputError({"silhouette", "the surface is two-dimensional", "a camera sees surfaces in space", "use a scene in 3D"});
+Silhouette draw_silhouette(const Comm& comm, const Mesh& mesh, const scene::CameraModel& camera,
+    const Exposure& exposure, const HidingTriangles* solids, double straightness) {
+    if (mesh.dimensions != 3)
+        throw InputError(
+            {"silhouette", "the surface is two-dimensional", "a camera sees surfaces in space", "use a scene in 3D"});
     const scene::Projection projection(camera, exposure);
     Drawing drawing(projection, straightness);
     std::vector<scene::Seen> seen(static_cast<std::size_t>(mesh.size()));
     for (std::size_t v = 0; v < seen.size(); ++v) {
-        seen[v] = projection.see(mesh.vertices.data() + 3 * v, mesh.velocity.empty() ? nullptr : mesh.velocity.data() + 3 * v);
+        seen[v] = projection.see(
+            mesh.vertices.data() + 3 * v, mesh.velocity.empty() ? nullptr : mesh.velocity.data() + 3 * v);
     }
     for (const auto& t : mesh.triangles) {
-        drawing.add(seen[static_cast<std::size_t>(t[0])], seen[static_cast<std::size_t>(t[1])], seen[static_cast<std::size_t>(t[2])]);
+        drawing.add(seen[static_cast<std::size_t>(t[0])], seen[static_cast<std::size_t>(t[1])],
+            seen[static_cast<std::size_t>(t[2])]);
     }
     for (double& depth : drawing.depth) depth = -depth;
     comm.max(std::span<double>(drawing.depth));
@@ -51,7 +55,8 @@ Silhouette draw_silhouette(const Comm& comm, const Mesh& mesh, const scene::Came
         Drawing before(at_rest, straightness);
         for (const auto& t : solids->triangles) {
             scene::Seen corner[3];
-            for (std::size_t k = 0; k < 3; ++k) corner[k] = at_rest.see(solids->vertices.data() + 3 * static_cast<std::size_t>(t[k]), nullptr);
+            for (std::size_t k = 0; k < 3; ++k)
+                corner[k] = at_rest.see(solids->vertices.data() + 3 * static_cast<std::size_t>(t[k]), nullptr);
             before.add(corner[0], corner[1], corner[2]);
         }
         for (std::size_t k = 0; k < out.depth.size(); ++k) {

@@ -65,8 +65,8 @@ void density(benchmark::State& state) {
     auto& at = flow(state);
     const auto& setup = at.solver->setup();
     for (auto _ : state) {
-        sph::compute_density(setup.options, setup.constants, at.solver->liquid(), at.solver->solid(),
-                             at.solver->neighbours());
+        sph::compute_density(
+            setup.options, setup.constants, at.solver->liquid(), at.solver->solid(), at.solver->neighbours());
         Kokkos::fence();
     }
     tell(state, at.particles());
@@ -74,8 +74,8 @@ void density(benchmark::State& state) {
 
 void assemble(sph::PressureSystem& system, Flow& at) {
     const auto& setup = at.solver->setup();
-    system.assemble(setup.options, setup.constants, Comm::self(), at.solver->liquid(),
-                    at.solver->neighbours(), at.halo);
+    system.assemble(
+        setup.options, setup.constants, Comm::self(), at.solver->liquid(), at.solver->neighbours(), at.halo);
     Kokkos::fence();
 }
 

@@ -37,14 +37,14 @@ void print_problem(const Problem& problem, const char* variant, bool active, std
             Method search(axes(n, problem.start, problem.step), options);
             minimise(search, problem.f);
             std::printf("%s,%zu,%s,%lu,%ld,%d\n", problem.name, n, variant, static_cast<unsigned long>(seed),
-                        static_cast<long>(search.evaluations()), search.stopped()->kind == StopKind::target);
+                static_cast<long>(search.evaluations()), search.stopped()->kind == StopKind::target);
         }
 }
 
 void print_functions(std::uint64_t seeds) {
     std::printf("function,n,variant,seed,evaluations,reached\n");
     for (const Problem& problem : {Problem{"sphere", sphere, 1, 1}, Problem{"ellipsoid", ellipsoid, 1, 1},
-                                   Problem{"rosenbrock", rosenbrock, 0, 0.5}}) {
+             Problem{"rosenbrock", rosenbrock, 0, 0.5}}) {
         print_problem<CmaEs>(problem, "active", true, seeds);
         print_problem<CmaEs>(problem, "plain", false, seeds);
         print_problem<LqCmaEs>(problem, "lq", true, seeds);
@@ -61,7 +61,8 @@ public:
             values_.push_back(f);
         }
         if (places_.size() < 2) {
-            std::fprintf(stderr, "search_bench: %s: no ladder; lines with the logarithm of a viscosity and a value are needed\n", path);
+            std::fprintf(stderr,
+                "search_bench: %s: no ladder; lines with the logarithm of a viscosity and a value are needed\n", path);
             std::exit(2);
         }
     }
@@ -101,28 +102,33 @@ std::unique_ptr<Search> cma(const Axis& axis, std::uint64_t seed) {
 std::vector<Entry> methods() {
     return {
         {"bracketing", [](const Axis& a, std::uint64_t) { return std::make_unique<Bracketing>(a, budget); }},
-        {"surrogate", [](const Axis& a, std::uint64_t seed) {
-             SurrogateOptions options;
-             options.seed = seed;
-             options.limits.evaluations = 60;
-             return std::make_unique<SurrogateSearch>(std::vector{a}, options);
-         }},
+        {"surrogate",
+            [](const Axis& a, std::uint64_t seed) {
+                SurrogateOptions options;
+                options.seed = seed;
+                options.limits.evaluations = 60;
+                return std::make_unique<SurrogateSearch>(std::vector{a}, options);
+            }},
         {"cma-es", cma<CmaEs>},
         {"lq-cma-es", cma<LqCmaEs>},
-        {"dissertation", [](const Axis& a, std::uint64_t seed) {
-             CmaOptions options = CmaOptions::dissertation(seed);
-             options.population = 4;
-             return std::make_unique<CmaEs>(std::vector{a}, options);
-         }, true},
-        {"nelder-mead", [](const Axis& a, std::uint64_t) {
-             return std::make_unique<NelderMead>(std::vector{a}, NelderMeadOptions{.limits = budget});
-         }},
-        {"swarm", [](const Axis& a, std::uint64_t seed) {
-             SwarmOptions options;
-             options.seed = seed;
-             options.limits = budget;
-             return std::make_unique<Swarm>(std::vector{a}, options);
-         }},
+        {"dissertation",
+            [](const Axis& a, std::uint64_t seed) {
+                CmaOptions options = CmaOptions::dissertation(seed);
+                options.population = 4;
+                return std::make_unique<CmaEs>(std::vector{a}, options);
+            },
+            true},
+        {"nelder-mead",
+            [](const Axis& a, std::uint64_t) {
+                return std::make_unique<NelderMead>(std::vector{a}, NelderMeadOptions{.limits = budget});
+            }},
+        {"swarm",
+            [](const Axis& a, std::uint64_t seed) {
+                SwarmOptions options;
+                options.seed = seed;
+                options.limits = budget;
+                return std::make_unique<Swarm>(std::vector{a}, options);
+            }},
         {"l-bfgs", gradient<Lbfgs>},
         {"conjugate-gradients", gradient<ConjugateGradients>},
         {"momentum", gradient<MomentumDescent>},
@@ -174,8 +180,8 @@ void print_ladder(const Ladder& ladder, double viscosity, std::uint64_t seeds) {
                 }
                 search->tell(values);
             }
-            std::printf("%s,%lu,%ld,%d,%.6g,%ld,%s\n", entry.name, static_cast<unsigned long>(seed), static_cast<long>(since),
-                        since >= 0, found, static_cast<long>(asked), search->stopped()->name.c_str());
+            std::printf("%s,%lu,%ld,%d,%.6g,%ld,%s\n", entry.name, static_cast<unsigned long>(seed),
+                static_cast<long>(since), since >= 0, found, static_cast<long>(asked), search->stopped()->name.c_str());
         }
 }
 

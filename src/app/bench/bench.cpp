@@ -17,12 +17,9 @@ constexpr int products_per_step = 11;
 
 constexpr const char* kind_word(BenchKind kind) {
     switch (kind) {
-    case BenchKind::kernels:
-        return "kernels";
-    case BenchKind::strong:
-        return "strong";
-    case BenchKind::weak:
-        return "weak";
+    case BenchKind::kernels: return "kernels";
+    case BenchKind::strong: return "strong";
+    case BenchKind::weak: return "weak";
     }
     return "";
 }
@@ -74,9 +71,8 @@ double Measurement::product_seconds(const solve::Matrix& matrix) {
 
 void Measurement::count(StepSample& sample) const {
     const auto& system = solver_.system();
-    std::vector<double> sums{double(solver_.liquid().store.owned()), double(system.rows()),
-                             double(system.entries()), double(solver_.neighbours().liquid.size),
-                             double(solver_.neighbours().solid.size)};
+    std::vector<double> sums{double(solver_.liquid().store.owned()), double(system.rows()), double(system.entries()),
+        double(solver_.neighbours().liquid.size), double(solver_.neighbours().solid.size)};
     comm_.sum(std::span(sums));
     sample.liquid = sums[0];
     sample.rows = sums[1];
@@ -128,8 +124,7 @@ BenchCase prepare(const Comm& comm, const BenchRequest& request) {
             out.input = bench_scene(request.particles, sections, request.overrides);
         } else if (request.kind == BenchKind::weak) {
             throw InputError({request.scene.string(), "a scene of one size cannot be given to bench weak",
-                              "its liquid grows with the number of ranks",
-                              "leave out --scene, or use bench strong"});
+                "its liquid grows with the number of ranks", "leave out --scene, or use bench strong"});
         } else {
             out.input = load_scene({request.scene, request.overrides, {}, {}, {}});
         }

@@ -39,7 +39,7 @@ double triad_seconds(const Array<double>& a, const Array<double>& b, const Array
 
 Machine describe_machine() {
     return {processor_name(), static_cast<int>(std::thread::hardware_concurrency()),
-            "Kokkos " + dotted(kokkos_version()) + " " + execution_space_name()};
+        "Kokkos " + dotted(kokkos_version()) + " " + execution_space_name()};
 }
 
 double peak_memory() {
@@ -49,8 +49,7 @@ double peak_memory() {
 }
 
 Triad::Triad()
-    : a_("treacle::triad_a", triad_length), b_("treacle::triad_b", triad_length),
-      c_("treacle::triad_c", triad_length) {
+    : a_("treacle::triad_a", triad_length), b_("treacle::triad_b", triad_length), c_("treacle::triad_c", triad_length) {
     Kokkos::deep_copy(a_, 0.0);
     Kokkos::deep_copy(b_, 1.0);
     Kokkos::deep_copy(c_, 2.0);

@@ -14,8 +14,8 @@
 namespace treacle::app {
 
 namespace {
-constexpr double jitter = 0.2;        // most displacement along each axis, in spacings
-constexpr double time_step = 4e-3;    // [s]; large, so that hardly a particle under the surface is let go
+constexpr double jitter = 0.2;     // most displacement along each axis, in spacings
+constexpr double time_step = 4e-3; // [s]; large, so that hardly a particle under the surface is let go
 constexpr int products_per_case = 5;
 
 // The residual and the time since the start of the solve, at every iteration of one.
@@ -92,7 +92,7 @@ private:
     double product_seconds(const solve::Matrix& matrix);
     History sweep(const solve::Matrix& matrix, solve::KrylovSolver& solver);
     Form examine(solve::Matrix& matrix, const std::string& name, solve::KrylovSolver& solver,
-                 const sph::PressureHierarchy* hierarchy);
+        const sph::PressureHierarchy* hierarchy);
 
     const Comm& comm_;
     const Input& input_;
@@ -156,7 +156,7 @@ double PressureBench::product_seconds(const solve::Matrix& matrix) {
 }
 
 Form PressureBench::examine(solve::Matrix& matrix, const std::string& name, solve::KrylovSolver& solver,
-                            const sph::PressureHierarchy* hierarchy) {
+    const sph::PressureHierarchy* hierarchy) {
     Form form;
     form.preconditioner = name;
     solver.set_up(matrix);
@@ -206,8 +206,8 @@ void PressureBench::measure(solve::Matrix& matrix) {
         const auto options = bench_scene(request_.particles, 1, overrides).method;
         const auto hierarchy = make_hierarchy(comm_, options, setup.constants, setup.domain, setup.grid);
         if (hierarchy) hierarchy->refer_to(step_.liquid(), step_.solid());
-        solve::KrylovSolver solver(comm_, "pressure",
-                                   krylov_options(options, setup.constants.dimensions, hierarchy.get()));
+        solve::KrylovSolver solver(
+            comm_, "pressure", krylov_options(options, setup.constants.dimensions, hierarchy.get()));
         forms_.push_back(examine(matrix, name, solver, hierarchy.get()));
         if (request_.sweeps > 0) forms_.back().sweeps = sweep(matrix, solver);
         for (const double residual : residuals) {
@@ -236,20 +236,20 @@ std::string PressureBench::table() const {
     char line[200];
     std::string text;
     std::snprintf(line, sizeof line, "%lld liquid particles, %lld unknowns, %.1f entries a row, %d ranks\n\n",
-                  static_cast<long long>(particles_), static_cast<long long>(rows_),
-                  double(entries_) / double(std::max<std::int64_t>(1, rows_)), comm_.size());
+        static_cast<long long>(particles_), static_cast<long long>(rows_),
+        double(entries_) / double(std::max<std::int64_t>(1, rows_)), comm_.size());
     text += line;
     text += "preconditioner        residual  iterations  set-up [WU]  work [WU]  one WU [ms]\n";
     for (const auto& one : cases_) {
         std::snprintf(line, sizeof line, "%-20s %9.0e %11d %12.2f %10.1f %12.2f  %s\n", one.preconditioner.c_str(),
-                      one.residual, one.report.iterations, one.set_up_work(), one.work(), 1e3 * one.product,
-                      one.report.converged() ? "" : one.report.reason.c_str());
+            one.residual, one.report.iterations, one.set_up_work(), one.work(), 1e3 * one.product,
+            one.report.converged() ? "" : one.report.reason.c_str());
         text += line;
     }
     text += "\n";
     for (const auto& form : forms_) {
         std::snprintf(line, sizeof line, "%-20s asymmetry %.1e, %s, operator complexity %.3f",
-                      form.preconditioner.c_str(), form.asymmetry, form.positive ? "positive" : "NOT POSITIVE", form.complexity);
+            form.preconditioner.c_str(), form.asymmetry, form.positive ? "positive" : "NOT POSITIVE", form.complexity);
         text += line;
         for (std::size_t k = 0; k < form.levels.size(); ++k) {
             const auto& level = form.levels[k];
@@ -264,32 +264,19 @@ std::string PressureBench::table() const {
 io::Value PressureBench::values() const {
     auto cases = io::Value::list({});
     for (const auto& one : cases_) {
-        cases.add(io::Value::object({{"preconditioner", one.preconditioner},
-                                           {"residual", one.residual},
-                                           {"converged", one.report.converged()},
-                                           {"iterations", std::int64_t{one.report.iterations}},
-                                           {"set-up [WU]", one.set_up_work()},
-                                           {"work [WU]", one.work()},
-                                           {"seconds", one.seconds},
-                                           {"set-up [s]", one.set_up},
-                                           {"one WU [s]", one.product},
-                                           {"history", one.history.values()}}));
+        cases.add(io::Value::object({{"preconditioner", one.preconditioner}, {"residual", one.residual},
+            {"converged", one.report.converged()}, {"iterations", std::int64_t{one.report.iterations}},
+            {"set-up [WU]", one.set_up_work()}, {"work [WU]", one.work()}, {"seconds", one.seconds},
+            {"set-up [s]", one.set_up}, {"one WU [s]", one.product}, {"history", one.history.values()}}));
     }
     auto forms = io::Value::list({});
     for (const auto& form : forms_) {
-        forms.add(io::Value::object({{"preconditioner", form.preconditioner},
-                                           {"asymmetry", form.asymmetry},
-                                           {"positive", form.positive},
-                                           {"operator complexity", form.complexity},
-                                           {"sweeps", form.sweeps.values()}}));
+        forms.add(io::Value::object({{"preconditioner", form.preconditioner}, {"asymmetry", form.asymmetry},
+            {"positive", form.positive}, {"operator complexity", form.complexity}, {"sweeps", form.sweeps.values()}}));
     }
-    return io::Value::object({{"bench", "pressure"},
-                              {"ranks", std::int64_t{comm_.size()}},
-                              {"liquid particles", particles_},
-                              {"rows", rows_},
-                              {"entries", entries_},
-                              {"solves", cases},
-                              {"preconditioners", forms}});
+    return io::Value::object(
+        {{"bench", "pressure"}, {"ranks", std::int64_t{comm_.size()}}, {"liquid particles", particles_},
+            {"rows", rows_}, {"entries", entries_}, {"solves", cases}, {"preconditioners", forms}});
 }
 } // namespace
 

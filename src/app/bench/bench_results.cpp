@@ -27,8 +27,8 @@ double least_bytes(const std::string& phase, const StepSample& s) {
     if (phase == "forces") return lists + s.liquid * (3 * vector + number);
     if (phase == "predict") return lists + s.liquid * (2 * vector + 5 * number + integer);
     if (phase == "assemble") {
-        return integer * s.liquid_pairs + s.liquid * (vector + 4 * number + integer) +
-               (number + integer) * s.entries + s.rows * (2 * number + integer);
+        return integer * s.liquid_pairs + s.liquid * (vector + 4 * number + integer) + (number + integer) * s.entries +
+               s.rows * (2 * number + integer);
     }
     if (phase == "pressure force") return lists + s.liquid * (3 * vector + 2 * number);
     if (phase == "move") return s.liquid * 3 * vector;
@@ -65,8 +65,7 @@ public:
     }
     double phase(const StepSample& step, const std::string& name) const {
         const auto found = std::ranges::find(at_.phases, name);
-        return found == at_.phases.end() ? 0.0
-                                         : step.phases[static_cast<std::size_t>(found - at_.phases.begin())];
+        return found == at_.phases.end() ? 0.0 : step.phases[static_cast<std::size_t>(found - at_.phases.begin())];
     }
     double outside(const StepSample& step) const { return step.step - phase(step, "solve"); }
     // Seconds in all phases together; what a step takes beyond is spent between them.
@@ -127,11 +126,11 @@ std::string line(const char* format, ...) {
 
 std::string heading(const BenchResults& f) {
     return line("bench %s: %s liquid and %s solid particles, %d rank%s x %d thread%s, %zu steps after %d",
-                f.kind.c_str(), grouped(static_cast<std::uint64_t>(f.liquid)).c_str(),
-                grouped(static_cast<std::uint64_t>(f.solid)).c_str(), f.ranks, f.ranks == 1 ? "" : "s",
-                f.threads, f.threads == 1 ? "" : "s", f.steps.size(), f.disorder_steps) +
+               f.kind.c_str(), grouped(static_cast<std::uint64_t>(f.liquid)).c_str(),
+               grouped(static_cast<std::uint64_t>(f.solid)).c_str(), f.ranks, f.ranks == 1 ? "" : "s", f.threads,
+               f.threads == 1 ? "" : "s", f.steps.size(), f.disorder_steps) +
            line("%s, %d cores, %s; times of the slowest rank, median [min max] of the steps",
-                f.machine.processor.c_str(), f.machine.cores, f.machine.back_end.c_str());
+               f.machine.processor.c_str(), f.machine.cores, f.machine.back_end.c_str());
 }
 
 std::string timing_lines(const Evaluation& at) {
@@ -139,9 +138,8 @@ std::string timing_lines(const Evaluation& at) {
     for (const auto& [name, seconds] : at.lines()) {
         const auto t = at.over_steps(seconds), w = at.over_steps(in_products(seconds));
         const double floor = at.lowest_floor(name).median;
-        out += line("%-20s %9.2f  [%8.2f %8.2f] %8.2f  [%7.2f %7.2f] %9s", name.c_str(), 1e3 * t.median,
-                    1e3 * t.min, 1e3 * t.max, w.median, w.min, w.max,
-                    floor > 0 ? short_number(floor).c_str() : "-");
+        out += line("%-20s %9.2f  [%8.2f %8.2f] %8.2f  [%7.2f %7.2f] %9s", name.c_str(), 1e3 * t.median, 1e3 * t.min,
+            1e3 * t.max, w.median, w.min, w.max, floor > 0 ? short_number(floor).c_str() : "-");
     }
     return out;
 }
@@ -153,24 +151,22 @@ std::string solver_lines(const Evaluation& at) {
     const auto all = at.over_steps([](const StepSample& s) { return s.triad.all; });
     const auto iterations = at.over_steps([](const StepSample& s) { return double(s.iterations); });
     const auto set_up = at.over_steps(in_products([](const StepSample& s) { return s.set_up; }));
-    const auto each =
-        at.over_steps(in_products([&](const StepSample& s) { return iteration_seconds(at, s); }));
+    const auto each = at.over_steps(in_products([&](const StepSample& s) { return iteration_seconds(at, s); }));
     const auto rows = at.over_steps([](const StepSample& s) { return s.rows; });
     const auto entries = at.over_steps([](const StepSample& s) { return s.entries / std::max(1.0, s.rows); });
     return line("WU: one product with the pressure matrix  %.3f ms [%.3f %.3f]; %.0f rows of %.1f entries",
-                1e3 * product.median, 1e3 * product.min, 1e3 * product.max, rows.median, entries.median) +
+               1e3 * product.median, 1e3 * product.min, 1e3 * product.max, rows.median, entries.median) +
            line("bandwidth  product %.2f GB/s; triad %.2f GB/s by one rank, %.2f [%.2f %.2f] by all",
-                1e-9 * bandwidth.median, 1e-9 * one.median, 1e-9 * all.median, 1e-9 * all.min,
-                1e-9 * all.max) +
+               1e-9 * bandwidth.median, 1e-9 * one.median, 1e-9 * all.median, 1e-9 * all.min, 1e-9 * all.max) +
            line("solve      %.0f iterations [%.0f %.0f] of %.2f WU, set-up of the preconditioner %.2f WU",
-                iterations.median, iterations.min, iterations.max, each.median, set_up.median);
+               iterations.median, iterations.min, iterations.max, each.median, set_up.median);
 }
 
 std::string memory_lines(const BenchResults& f, const Evaluation& at) {
     const auto imbalance = at.over_steps([](const StepSample& s) { return s.imbalance; });
     return line("memory     peak %.0f bytes per liquid particle; own arrays %.0f; %s in all",
-                at.per_particle(f.peak_bytes), at.per_particle(f.counted_bytes),
-                format_bytes(static_cast<std::uint64_t>(std::max(0.0, f.peak_bytes))).c_str()) +
+               at.per_particle(f.peak_bytes), at.per_particle(f.counted_bytes),
+               format_bytes(static_cast<std::uint64_t>(std::max(0.0, f.peak_bytes))).c_str()) +
            line("imbalance  %.3f most over mean liquid particles of a rank", imbalance.median);
 }
 
@@ -186,15 +182,10 @@ std::string bench_table(const BenchResults& figures) {
 
 io::Value bench_values(const BenchResults& f) {
     const Evaluation at(f);
-    auto out = io::Value::object({{"bench", f.kind},
-                                  {"ranks", f.ranks},
-                                  {"threads per rank", f.threads},
-                                  {"processor", f.machine.processor},
-                                  {"cores", f.machine.cores},
-                                  {"back end", f.machine.back_end},
-                                  {"liquid particles", f.liquid},
-                                  {"solid particles", f.solid},
-                                  {"steps", static_cast<std::int64_t>(f.steps.size())}});
+    auto out = io::Value::object(
+        {{"bench", f.kind}, {"ranks", f.ranks}, {"threads per rank", f.threads}, {"processor", f.machine.processor},
+            {"cores", f.machine.cores}, {"back end", f.machine.back_end}, {"liquid particles", f.liquid},
+            {"solid particles", f.solid}, {"steps", static_cast<std::int64_t>(f.steps.size())}});
     io::Value seconds = io::Value::object({}), products = seconds, least = seconds;
     for (const auto& [name, measure] : at.lines()) {
         seconds.set(name, to_value(at.over_steps(measure)));
@@ -203,9 +194,7 @@ io::Value bench_values(const BenchResults& f) {
         if (floor > 0) least.set(name, floor);
     }
     out.set("seconds", seconds).set("WU", products).set("least WU by bytes", least);
-    const auto add = [&](const char* name, const Measure& measure) {
-        out.set(name, to_value(at.over_steps(measure)));
-    };
+    const auto add = [&](const char* name, const Measure& measure) { out.set(name, to_value(at.over_steps(measure))); };
     add("one WU [s]", [](const StepSample& s) { return s.product; });
     add("rows", [](const StepSample& s) { return s.rows; });
     add("entries", [](const StepSample& s) { return s.entries; });

@@ -40,7 +40,7 @@ Input bench_scene(std::int64_t particles, int sections, const std::vector<std::s
     parse(document, input);
     if (input.method.pressure.solver != sph::PressureSolver::isph) {
         throw InputError({"method.pressure.solver", "has no matrix", "treacle bench measures the assembled system",
-                          "leave it at isph, and compare steps.csv of runs for the others"});
+            "leave it at isph, and compare steps.csv of runs for the others"});
     }
     return input;
 }

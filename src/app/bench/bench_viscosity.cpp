@@ -20,7 +20,7 @@ constexpr int products_per_case = 7;
 
 struct Scene {
     const char* name;
-    double viscosity; // [Pa s]
+    double viscosity;                // [Pa s]
     double (*liquid)(const Vec3& x); // distance [m]
 };
 double ball_over_pool(const Vec3& x) {
@@ -29,7 +29,8 @@ double ball_over_pool(const Vec3& x) {
 double sheet_on_pool(const Vec3& x) {
     return std::min(x[1] - 0.08, std::max({std::fabs(x[0] - 0.5) - 0.04, std::fabs(x[2] - 0.5) - 0.3, x[1] - 0.9}));
 }
-constexpr std::array<Scene, 3> scenes{{{"ball", 1e3, ball_over_pool}, {"ball", 1e5, ball_over_pool}, {"sheet", 1e5, sheet_on_pool}}};
+constexpr std::array<Scene, 3> scenes{
+    {{"ball", 1e3, ball_over_pool}, {"ball", 1e5, ball_over_pool}, {"sheet", 1e5, sheet_on_pool}}};
 
 Preconditioner find_preconditioner(const std::string& word) {
     std::string known;
@@ -42,7 +43,8 @@ Preconditioner find_preconditioner(const std::string& word) {
 
 // A number in [-1, 1) that depends on the place alone.
 double noise(int axis, const int c[3]) {
-    std::uint64_t x = static_cast<std::uint64_t>(axis + 1) + 0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(c[0] + 1000 * (c[1] + 1000 * c[2]) + 7);
+    std::uint64_t x = static_cast<std::uint64_t>(axis + 1) +
+                      0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(c[0] + 1000 * (c[1] + 1000 * c[2]) + 7);
     x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
     x = (x ^ x >> 27) * 0x94d049bb133111ebu;
     return double((x ^ x >> 31) >> 11) * 0x1p-52 - 1;
@@ -148,7 +150,7 @@ double product_seconds(const Comm& comm, const solve::Matrix& matrix) {
 }
 
 Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double viscosity, const std::string& word,
-                const ViscosityBenchRequest& request) {
+    const ViscosityBenchRequest& request) {
     grid::ViscosityOptions options;
     options.preconditioner = find_preconditioner(word);
     options.residual = request.residual;
@@ -156,7 +158,8 @@ Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double v
     grid::Viscosity solver(comm, options, grid::Coupling::one_way);
     rigid::RigidBodies bodies;
     const double dx = setting.grid.dx;
-    Figures out{word, scene.name, static_cast<int>(std::lround(1 / dx)), viscosity / density * time_step / (dx * dx), {}};
+    Figures out{
+        word, scene.name, static_cast<int>(std::lround(1 / dx)), viscosity / density * time_step / (dx * dx), {}};
     setting.set_viscosity(viscosity);
     struct Timed {
         double work, set_up, product; // [products], [products], [s]
@@ -164,11 +167,13 @@ Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double v
     std::vector<Timed> timed;
     for (int k = 0; k < request.repeats; ++k) {
         setting.set_velocity();
-        out.report = solver.solve({setting.grid, setting.halo, setting.fractions, setting.shares, setting.viscosities, density},
-                                  setting.velocity, bodies, time_step);
+        out.report =
+            solver.solve({setting.grid, setting.halo, setting.fractions, setting.shares, setting.viscosities, density},
+                setting.velocity, bodies, time_step);
         const auto& solve = out.report.solve;
         const double product = product_seconds(comm, *solver.matrix()); // at once, while the machine is as it was
-        timed.push_back({comm.max(solve.set_up_seconds + solve.iteration_seconds) / product, comm.max(solve.set_up_seconds) / product, product});
+        timed.push_back({comm.max(solve.set_up_seconds + solve.iteration_seconds) / product,
+            comm.max(solve.set_up_seconds) / product, product});
     }
     std::sort(timed.begin(), timed.end(), [](const Timed& a, const Timed& b) { return a.work < b.work; });
     const auto& median = timed[timed.size() / 2];
@@ -179,25 +184,20 @@ Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double v
 }
 
 void print(const Figures& f) {
-    std::printf("%-20s %-6s %5d %10.2e %10lld %9.1f %10d %11.1f %10.1f %11.2f\n", f.preconditioner.c_str(), f.scene, f.cells,
-                f.stiffness, static_cast<long long>(f.report.unknowns), double(f.report.entries) / double(f.report.unknowns),
-                f.report.solve.iterations, f.set_up, f.work, 1e3 * f.product);
+    std::printf("%-20s %-6s %5d %10.2e %10lld %9.1f %10d %11.1f %10.1f %11.2f\n", f.preconditioner.c_str(), f.scene,
+        f.cells, f.stiffness, static_cast<long long>(f.report.unknowns),
+        double(f.report.entries) / double(f.report.unknowns), f.report.solve.iterations, f.set_up, f.work,
+        1e3 * f.product);
     std::fflush(stdout);
 }
 
 io::Value values(const std::vector<Figures>& all, int ranks) {
     auto solves = io::Value::list({});
     for (const auto& f : all) {
-        solves.add(io::Value::object({{"preconditioner", f.preconditioner},
-                                      {"scene", std::string(f.scene)},
-                                      {"cells", std::int64_t{f.cells}},
-                                      {"nu dt/dx2", f.stiffness},
-                                      {"unknowns", f.report.unknowns},
-                                      {"entries", f.report.entries},
-                                      {"iterations", std::int64_t{f.report.solve.iterations}},
-                                      {"set-up [WU]", f.set_up},
-                                      {"work [WU]", f.work},
-                                      {"one WU [s]", f.product}}));
+        solves.add(io::Value::object({{"preconditioner", f.preconditioner}, {"scene", std::string(f.scene)},
+            {"cells", std::int64_t{f.cells}}, {"nu dt/dx2", f.stiffness}, {"unknowns", f.report.unknowns},
+            {"entries", f.report.entries}, {"iterations", std::int64_t{f.report.solve.iterations}},
+            {"set-up [WU]", f.set_up}, {"work [WU]", f.work}, {"one WU [s]", f.product}}));
     }
     return io::Value::object({{"bench", "viscosity"}, {"ranks", std::int64_t{ranks}}, {"solves", solves}});
 }
@@ -209,7 +209,8 @@ ExitCode run_viscosity_bench(const Comm& comm, const ViscosityBenchRequest& requ
     for (const auto& name : names) (void)find_preconditioner(name);
     const auto sizes = request.cells.empty() ? std::vector<int>{96} : request.cells;
     if (comm.is_root()) {
-        std::printf("preconditioner       scene  cells  nu dt/dx2   unknowns   entries iterations set-up [WU]  work [WU] one WU [ms]\n");
+        std::printf("preconditioner       scene  cells  nu dt/dx2   unknowns   entries iterations set-up [WU]  work "
+                    "[WU] one WU [ms]\n");
     }
     std::vector<Figures> all;
     for (const int cells : sizes) {

@@ -14,8 +14,8 @@ struct ViscosityBenchRequest {
     std::vector<std::string> preconditioners; // words of method.viscosity.preconditioner; empty: multilevel, boomeramg
     std::vector<double> stiffness;            // nu dt / dx^2 in place of the viscosities of the cases; empty: those
     double residual = 1e-8;                   // relative
-    int repeats = 1;                          // solves of each case, one after the other as steps are; the median counts
-    std::filesystem::path json;               // file for the figures; empty: none
+    int repeats = 1;            // solves of each case, one after the other as steps are; the median counts
+    std::filesystem::path json; // file for the figures; empty: none
 };
 
 // `treacle bench viscosity`: the viscous system of the grid for a ball of liquid over a pool and for a thin sheet on one, in

@@ -23,8 +23,9 @@ constexpr double notable_thin_surface = 0.01;
 class Report {
 public:
     explicit Report(const CheckedScene& scene)
-        : at_(scene), estimates_(estimate_run(scene.input, scene.geometry, scene.preview.liquid_count,
-                                              scene.preview.solid_count)) {}
+        : at_(scene),
+          estimates_(estimate_run(scene.input, scene.geometry, scene.preview.liquid_count, scene.preview.solid_count)) {
+    }
 
     std::vector<std::string> lines() {
         domain();
@@ -72,10 +73,12 @@ std::string side_text(const scene::Face& face) {
     if (face.kind == scene::BoundaryKind::open) return face.outflow ? "open, liquid may leave" : "open";
     if (face.kind == scene::BoundaryKind::periodic) return "periodic";
     std::string out = face.slip == scene::Slip::no_slip ? "no-slip wall" : "free-slip wall";
-    if (face.slip == scene::Slip::slip_length) out = "wall with a slip length of " + short_number(face.slip_length) + " m";
+    if (face.slip == scene::Slip::slip_length)
+        out = "wall with a slip length of " + short_number(face.slip_length) + " m";
     const auto& v = face.velocity;
     if (v == Vec3{0, 0, 0}) return out;
-    return out + " that moves at (" + short_number(v[0]) + ", " + short_number(v[1]) + ", " + short_number(v[2]) + ") m/s";
+    return out + " that moves at (" + short_number(v[0]) + ", " + short_number(v[1]) + ", " + short_number(v[2]) +
+           ") m/s";
 }
 
 std::string volume_text(double volume, int dimensions) {
@@ -86,19 +89,17 @@ std::string volume_text(double volume, int dimensions) {
 void Report::domain() {
     const auto& domain = scene().domain;
     heading("scene: " + at_.path.string() + (scene().title.empty() ? "" : ", " + scene().title));
-    row("domain", edges(domain.min, domain.max, domain.dimensions) + ", spacing " +
-                      short_number(domain.spacing) + " m");
+    row("domain",
+        edges(domain.min, domain.max, domain.dimensions) + ", spacing " + short_number(domain.spacing) + " m");
     const auto names = load_names(at_.input);
     for (std::size_t k = 0; k < 2 * static_cast<std::size_t>(domain.dimensions); ++k) {
         row(names[k], side_text(domain.faces[k]));
     }
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         const auto is_wall = [&](std::size_t side) { return domain.faces[side].kind == scene::BoundaryKind::wall; };
-        if (is_wall(2 * k) && is_wall(2 * k + 1) &&
-            !at_.geometry.lattice.fits(static_cast<int>(k))) {
-            warn(
-                std::string("domain: its length in ") + "xyz"[k] +
-                " is no multiple of the spacing: liquid that touches both sides leaves a gap at one of them");
+        if (is_wall(2 * k) && is_wall(2 * k + 1) && !at_.geometry.lattice.fits(static_cast<int>(k))) {
+            warn(std::string("domain: its length in ") + "xyz"[k] +
+                 " is no multiple of the spacing: liquid that touches both sides leaves a gap at one of them");
         }
     }
 }
@@ -106,10 +107,9 @@ void Report::domain() {
 void Report::meshes(const scene::SolidRegion& region, const std::string& owner) {
     for (const auto& report : region.meshes()) {
         row("mesh of " + owner, report.path);
-        row("", "closed, " + std::to_string(report.components) +
-                    (report.components == 1 ? " part, " : " parts, ") + grouped(report.triangles) +
-                    " triangles, " + edges(report.bounds.min, report.bounds.max, 3) + ", volume " +
-                    volume_text(report.volume, 3));
+        row("", "closed, " + std::to_string(report.components) + (report.components == 1 ? " part, " : " parts, ") +
+                    grouped(report.triangles) + " triangles, " + edges(report.bounds.min, report.bounds.max, 3) +
+                    ", volume " + volume_text(report.volume, 3));
         for (const auto& note : report.notes()) row("", note);
         if (report.thickness_p01 < scene().domain.spacing) {
             const auto [given, spacing] = tell_apart(report.thickness_p01, scene().domain.spacing);
@@ -131,8 +131,8 @@ void Report::liquids() {
     heading("liquids");
     for (std::size_t i = 0; i < scene().liquids.size(); ++i) {
         const auto& liquid = scene().liquids[i];
-        const std::string viscosity = liquid.varies() ? "up to " + short_number(largest_viscosity(liquid))
-                                                      : short_number(liquid.viscosity);
+        const std::string viscosity =
+            liquid.varies() ? "up to " + short_number(largest_viscosity(liquid)) : short_number(liquid.viscosity);
         row(liquid.name, short_number(liquid.density) + " kg/m3, " + viscosity + " Pa s");
         for (const auto& transfer : at_.input.transfers) {
             if (transfer.index != i) continue;
@@ -150,10 +150,10 @@ void Report::liquids() {
                     (exact ? ", its particles fill " + filled : std::string()));
         const double particles = static_cast<double>(count) * std::pow(at_.preview.coarsening, dimensions);
         const double volume = at_.input.on_grid() ? std::pow(particle_spacing(at_.input), dimensions)
-                                                   : make_constants(at_.input).rest_volume;
+                                                  : make_constants(at_.input).rest_volume;
         const double mass = particles * liquid.density * volume;
-        row("", (exact ? "" : "about ") + grouped(static_cast<std::uint64_t>(particles)) + " particles, " + short_number(mass) +
-                    (dimensions == 3 ? " kg" : " kg/m"));
+        row("", (exact ? "" : "about ") + grouped(static_cast<std::uint64_t>(particles)) + " particles, " +
+                    short_number(mass) + (dimensions == 3 ? " kg" : " kg/m"));
         for (std::size_t k = 0; k < liquid.shapes.size(); ++k) {
             const auto& region = at_.geometry.liquids[i][k];
             meshes(region, "liquids." + liquid.name);
@@ -170,8 +170,9 @@ void Report::inflow() {
         const auto& given = scene().inlets[q];
         const auto& inlet = inflow.inlets[q];
         const bool space = scene().domain.dimensions == 3;
-        row(given.name, given.liquid + ", " + short_number(flow_of(at_.input, inlet)) + (space ? " m3/s" : " m2/s") + " at " +
-                            short_number(inlet.speed) + " m/s, " + std::to_string(inlet.points.size()) + " particles across");
+        row(given.name, given.liquid + ", " + short_number(flow_of(at_.input, inlet)) + (space ? " m3/s" : " m2/s") +
+                            " at " + short_number(inlet.speed) + " m/s, " + std::to_string(inlet.points.size()) +
+                            " particles across");
         row("", "from " + short_number(inlet.start) + " s to " +
                     (inlet.end > 0 ? short_number(inlet.end) + " s" : std::string("the end")) + ", " +
                     grouped(inflow_particles(at_.input, inlet)) + " particles by the end");
@@ -191,7 +192,7 @@ void Report::bodies() {
                                " times the density of " + scene().liquids.front().name);
         }
         row(moves(body) ? "" : body.name, std::string(body.slip == scene::Slip::no_slip ? "no-slip" : "free-slip") +
-                           ", volume " + volume_text(region.volume(), scene().domain.dimensions));
+                                              ", volume " + volume_text(region.volume(), scene().domain.dimensions));
         meshes(region, "bodies." + body.name);
         thickness(body.shape, region, "bodies." + body.name);
     }
@@ -204,12 +205,13 @@ void Report::particles() {
     const std::string about = at_.preview.coarsening > 1 ? "about " : "";
     heading("particles");
     row("liquid", about + grouped(at_.preview.liquid_count));
-    if (estimates_.poured > 0) row("", "and up to " + grouped(static_cast<std::uint64_t>(estimates_.poured)) + " more by the end");
+    if (estimates_.poured > 0)
+        row("", "and up to " + grouped(static_cast<std::uint64_t>(estimates_.poured)) + " more by the end");
     if (!at_.input.on_grid()) row("solid", about + grouped(at_.preview.solid_count));
     const auto per_rank = estimates_.bytes / at_.ranks;
     row("memory", "about " + format_bytes(static_cast<std::uint64_t>(estimates_.bytes)) + " in all, " +
-                      format_bytes(static_cast<std::uint64_t>(per_rank)) + " on each of " +
-                      std::to_string(at_.ranks) + (at_.ranks == 1 ? " rank" : " ranks"));
+                      format_bytes(static_cast<std::uint64_t>(per_rank)) + " on each of " + std::to_string(at_.ranks) +
+                      (at_.ranks == 1 ? " rank" : " ranks"));
 }
 
 std::string step_text(double step) { return std::isfinite(step) ? short_number(step) + " s" : "no limit"; }
@@ -218,18 +220,17 @@ void Report::steps() {
     const auto& time = scene().time;
     heading("time");
     row("end", short_number(time.end) + " s");
-    row("limit by speed",
-        step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
-            (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
+    row("limit by speed", step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
+                              (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
     row("limit by gravity", step_text(estimates_.gravity_step));
     const double share = sph::step_share(liquid_materials(at_.input));
     if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
     if (std::isfinite(estimates_.capillary_step)) row("limit by capillarity", step_text(estimates_.capillary_step));
-    row("limit by viscosity", std::isfinite(estimates_.viscous_step) ? step_text(estimates_.viscous_step) : "none, no viscosity or an implicit one");
+    row("limit by viscosity", std::isfinite(estimates_.viscous_step) ? step_text(estimates_.viscous_step)
+                                                                     : "none, no viscosity or an implicit one");
     const bool fixed = time.rule == scene::StepRule::fixed;
     row("step", (fixed ? "fixed, " : "about ") + step_text(estimates_.step) + ", " +
-                    (std::isfinite(estimates_.steps) ? grouped(static_cast<std::uint64_t>(estimates_.steps))
-                                                     : "few") +
+                    (std::isfinite(estimates_.steps) ? grouped(static_cast<std::uint64_t>(estimates_.steps)) : "few") +
                     " steps");
     if (fixed && time.step > estimates_.courant_step) {
         warn("time.step: particles at " + short_number(estimates_.speed) +
@@ -241,8 +242,7 @@ void Report::steps() {
     }
     if (estimates_.viscous_step < 0.1 * std::min(estimates_.courant_step, estimates_.gravity_step)) {
         warn("liquids: the explicit viscosity makes the time step " +
-             short_number(std::min(estimates_.courant_step, estimates_.gravity_step) /
-                          estimates_.viscous_step) +
+             short_number(std::min(estimates_.courant_step, estimates_.gravity_step) / estimates_.viscous_step) +
              " times smaller than the motion asks for");
     }
 }

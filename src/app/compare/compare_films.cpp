@@ -24,7 +24,8 @@ constexpr double same_frame = 1e-6; // [s] between masks that share a frame of t
 
 // A comparison as numbers, to be sent.
 std::vector<double> packed(const identify::FrameComparison& one) {
-    std::vector<double> out{double(one.mismatches), double(one.observed), double(one.simulated), double(one.compared), one.beyond, double(one.segments.size())};
+    std::vector<double> out{double(one.mismatches), double(one.observed), double(one.simulated), double(one.compared),
+        one.beyond, double(one.segments.size())};
     for (const auto& s : one.segments) {
         out.insert(out.end(), {double(s.frame), s.time, s.x, s.y, s.normal_x, s.normal_y, s.points, s.displacement});
         out.insert(out.end(), s.by_view.begin(), s.by_view.end());
@@ -55,10 +56,13 @@ std::string occupancy_content(const Experiment& experiment, std::size_t frames) 
     constexpr std::size_t least = 8; // masks of a window
     const auto& occupancy = experiment.occupancy;
     if (frames < least * std::size_t(occupancy.windows)) {
-        throw InputError({experiment.where, "occupancy.windows = " + std::to_string(occupancy.windows) + ", of " + std::to_string(frames) + " masks",
-                          "a window needs " + std::to_string(least) + " masks or more, over a turn or several", "take fewer windows, or more of the film"});
+        throw InputError({experiment.where,
+            "occupancy.windows = " + std::to_string(occupancy.windows) + ", of " + std::to_string(frames) + " masks",
+            "a window needs " + std::to_string(least) + " masks or more, over a turn or several",
+            "take fewer windows, or more of the film"});
     }
-    std::string out = " occupancy " + std::to_string(occupancy.windows) + " mirror " + std::to_string(int(occupancy.mirror)) + " at " + format_number(occupancy.mirror_at);
+    std::string out = " occupancy " + std::to_string(occupancy.windows) + " mirror " +
+                      std::to_string(int(occupancy.mirror)) + " at " + format_number(occupancy.mirror_at);
     for (const double level : occupancy.levels) out += " " + format_number(level);
     return out;
 }
@@ -76,7 +80,8 @@ ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& expe
             const auto camera = find_camera(input.scene, experiment.camera);
             return {video::camera_model(view_of(camera, input.scene.domain, {}), camera.name), {}, 0};
         } catch (const InputError& error) {
-            throw InputError({experiment.where, "camera = " + experiment.camera + " is neither a file nor a camera of the scene", error.what(), ""});
+            throw InputError({experiment.where,
+                "camera = " + experiment.camera + " is neither a file nor a camera of the scene", error.what(), ""});
         }
     }
     auto record = video::read_camera(path, name);
@@ -86,13 +91,16 @@ ExperimentCamera experiment_camera(const StudyFile& file, const Experiment& expe
         record = video::for_pictures(record, mask.width, mask.height, first.string());
     }
     ExperimentCamera out{record.model(), {}, 0};
-    if (record.pose_covariance) out.pose_covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6>>(record.pose_covariance->data());
+    if (record.pose_covariance)
+        out.pose_covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6>>(record.pose_covariance->data());
     if (record.covariance) out.focal_deviation = record.covariance->deviation(0) / record.lens.fx;
     return out;
 }
 
-FilmComparison::FilmComparison(const Comm& comm, const StudyFile& file, const Experiment& experiment, std::filesystem::path folder)
-    : comm_(comm), file_(file), experiment_(experiment), folder_(std::move(folder)), masks_(folder_ / ("masks_" + experiment.name)) {
+FilmComparison::FilmComparison(
+    const Comm& comm, const StudyFile& file, const Experiment& experiment, std::filesystem::path folder)
+    : comm_(comm), file_(file), experiment_(experiment), folder_(std::move(folder)),
+      masks_(folder_ / ("masks_" + experiment.name)) {
     comm_.guard([&] { frames_ = identify::observed_frames(experiment_, file_.beside(experiment_.masks)); });
 }
 
@@ -105,7 +113,8 @@ void FilmComparison::look_at(const RunView& run) {
 
 void FilmComparison::compare_reached(const RunView& run) {
     const double reached = run.frames.back().time + same_frame;
-    const auto due = std::size_t(std::ranges::upper_bound(frames_, reached, {}, &identify::ObservedFrame::time) - frames_.begin());
+    const auto due =
+        std::size_t(std::ranges::upper_bound(frames_, reached, {}, &identify::ObservedFrame::time) - frames_.begin());
     const auto turn = std::size_t(comm_.size());
     if (residuals_.frames.size() + turn > due) return;
     look_at(run);
@@ -126,7 +135,8 @@ void FilmComparison::compare_turn() {
         if (mine >= frames_.size()) return;
         const auto simulated = film_->draw(mine);
         video::write_mask(masks_ / frames_[mine].mask.filename(), simulated.now.mask);
-        numbers = packed(identify::compare_frame(frames_[mine], video::read_mask(frames_[mine].mask), simulated, film_->camera()));
+        numbers = packed(
+            identify::compare_frame(frames_[mine], video::read_mask(frames_[mine].mask), simulated, film_->camera()));
     });
     const auto all = comm_.all_gather(std::span<const double>(numbers));
     for (const double* at = all.data(); at < all.data() + all.size();) {
@@ -154,9 +164,12 @@ ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment,
     check_end(experiment.where, experiment.name, frames.back().time, input.scene.time.end);
     const auto mask = video::read_mask(frames.front().mask);
     if (mask.width != camera.lens().width || mask.height != camera.lens().height) {
-        throw InputError({experiment.where, frames.front().mask.string() + " has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
-                          "the camera's pictures have " + std::to_string(camera.lens().width) + " x " + std::to_string(camera.lens().height),
-                          "give the camera of these pictures"});
+        throw InputError({experiment.where,
+            frames.front().mask.string() + " has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
+                " pixels",
+            "the camera's pictures have " + std::to_string(camera.lens().width) + " x " +
+                std::to_string(camera.lens().height),
+            "give the camera of these pictures"});
     }
     require_bodies(input, experiment.see_through, experiment.where);
     ObservationNeeds out;
@@ -165,7 +178,8 @@ ObservationNeeds film_needs(const StudyFile& file, const Experiment& experiment,
     const auto& lens = camera.lens();
     out.content = "film " + experiment.name;
     if (experiment.readout > 0) out.content += " readout " + format_number(experiment.readout);
-    if (experiment.kind == identify::ExperimentKind::occupancy) out.content += occupancy_content(experiment, frames.size());
+    if (experiment.kind == identify::ExperimentKind::occupancy)
+        out.content += occupancy_content(experiment, frames.size());
     for (const auto& name : experiment.see_through) out.content += " through " + name;
     for (const double v : {lens.fx, lens.fy, lens.cx, lens.cy}) out.content += " " + format_number(v);
     for (const double v : lens.distortion) out.content += " " + format_number(v);

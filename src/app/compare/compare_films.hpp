@@ -16,14 +16,16 @@ struct ExperimentCamera {
     double focal_deviation = 0; // relative; 0: not known
 };
 // Throws InputError for a camera that is neither a file beside the study nor one of the scene's.
-ExperimentCamera experiment_camera(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
+ExperimentCamera experiment_camera(
+    const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
 // Compares a run, be it under way, with the masks of a film; the simulated masks go into masks_NAME/ in the folder.
 // Collective; each rank draws some of the frames.
 class FilmComparison {
 public:
     // The study must stay. Throws InputError.
-    FilmComparison(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment, std::filesystem::path folder);
+    FilmComparison(const Comm& comm, const identify::StudyFile& file, const identify::Experiment& experiment,
+        std::filesystem::path folder);
 
     // Compares the masks that a run under way has reached meanwhile, one mask per rank at a time; other ranks block.
     void compare_reached(const RunView& run);
@@ -48,6 +50,7 @@ private:
 
 // Needs of a film of its run: frames at the times of the masks. Throws InputError for a film that is longer than the run, and
 // masks of another size than the camera's pictures.
-ObservationNeeds film_needs(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
+ObservationNeeds film_needs(
+    const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input);
 
 } // namespace treacle::app

@@ -23,7 +23,8 @@ struct DrawnFilm {
 };
 
 // Sums of the frames [begin, end), whose masks are kept. Collective; `places` are those of this rank's frames, and 0 for others.
-OccupancyWindow sum_window(const Comm& comm, const DrawnFilm& drawn_film, std::size_t begin, std::size_t end, ThreadPlaces& places) {
+OccupancyWindow sum_window(
+    const Comm& comm, const DrawnFilm& drawn_film, std::size_t begin, std::size_t end, ThreadPlaces& places) {
     auto& film = drawn_film.drawer;
     const auto& frames = film.frames();
     const auto& lens = film.camera().lens();
@@ -54,7 +55,8 @@ OccupancyWindow sum_window(const Comm& comm, const DrawnFilm& drawn_film, std::s
 
 } // namespace
 
-void compare_occupancy(const Comm& comm, const identify::StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& folder) {
+void compare_occupancy(const Comm& comm, const identify::StudyFile& file, const Experiment& experiment,
+    const RunView& run, const std::filesystem::path& folder) {
     std::optional<FilmDrawer> film;
     const auto masks = folder / ("masks_" + experiment.name);
     comm.guard([&] { film.emplace(file, experiment, run); });
@@ -80,8 +82,8 @@ void compare_occupancy(const Comm& comm, const identify::StudyFile& file, const 
         auto& one = residuals.frames[w];
         identify::scale_by_noise(one, noise);
         const double begin = times[windows[w].first], end = times[windows[w].second - 1];
-        identify::add_turning(one, residuals.observed[w], identify::rate_between(filmed, begin, end), identify::rate_between(simulated, begin, end), filmed.scatter,
-                              experiment.occupancy.levels.size());
+        identify::add_turning(one, residuals.observed[w], identify::rate_between(filmed, begin, end),
+            identify::rate_between(simulated, begin, end), filmed.scatter, experiment.occupancy.levels.size());
         residuals.segments.insert(residuals.segments.end(), one.segments.begin(), one.segments.end());
     }
     comm.guard_root([&] { identify::write_residuals(folder, experiment.name, residuals); });

@@ -23,20 +23,24 @@ Source source_of(const identify::Experiment& experiment, const scene::Scene& sce
         names.push_back(one.name);
     }
     const auto close = nearest(series.measurement, names);
-    throw InputError({series.where, "the scene has no measurement " + series.measurement, names.empty() ? "it has none at all" : "it has " + join(names, ", "),
-                      close ? "did you mean " + *close + "?" : "add it to the scene's `measurements`"});
+    throw InputError({series.where, "the scene has no measurement " + series.measurement,
+        names.empty() ? "it has none at all" : "it has " + join(names, ", "),
+        close ? "did you mean " + *close + "?" : "add it to the scene's `measurements`"});
 }
 } // namespace
 
-std::vector<identify::ObservedValue> observed_series(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input) {
+std::vector<identify::ObservedValue> observed_series(
+    const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input) {
     const auto path = file.beside(experiment.series.file);
     if (!std::filesystem::is_regular_file(path)) {
-        throw InputError({experiment.series.where, "file = " + experiment.series.file + " is not there", "names are taken from the study's folder", "check the name"});
+        throw InputError({experiment.series.where, "file = " + experiment.series.file + " is not there",
+            "names are taken from the study's folder", "check the name"});
     }
     return identify::observed_values(experiment, path, identify::unit_in(source_of(experiment, input.scene).column));
 }
 
-ObservationNeeds series_needs(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input) {
+ObservationNeeds series_needs(
+    const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input) {
     const auto observed = observed_series(file, experiment, input);
     check_end(experiment.where, experiment.name, observed.back().time, input.scene.time.end);
     const auto source = source_of(experiment, input.scene);
@@ -48,10 +52,13 @@ ObservationNeeds series_needs(const identify::StudyFile& file, const identify::E
     return out;
 }
 
-void compare_with_series(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input, const std::filesystem::path& folder) {
+void compare_with_series(const identify::StudyFile& file, const identify::Experiment& experiment, const Input& input,
+    const std::filesystem::path& folder) {
     const auto source = source_of(experiment, input.scene);
     const auto table = read_csv(folder / "run" / source.table);
-    identify::write_residuals(folder, experiment.name, identify::compare_series(observed_series(file, experiment, input), table.column("time"), table.column(source.column)));
+    identify::write_residuals(folder, experiment.name,
+        identify::compare_series(
+            observed_series(file, experiment, input), table.column("time"), table.column(source.column)));
 }
 
 } // namespace treacle::app

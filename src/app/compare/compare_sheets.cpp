@@ -29,15 +29,18 @@ std::size_t ball_of(const Experiment& experiment, const scene::Scene& scene) {
     }
     if (wanted.empty() && moving.size() == 1) return moving.front();
     const auto close = nearest(wanted, names);
-    throw InputError({experiment.piv.where, wanted.empty() ? "the ball has a track, and it is not said which body it is" : "ball.body = " + wanted + " is no body of the scene",
-                      names.empty() ? "the scene has no bodies" : "it has " + join(names, ", "), close ? "did you mean " + *close + "?" : "give ball.body"});
+    throw InputError({experiment.piv.where,
+        wanted.empty() ? "the ball has a track, and it is not said which body it is"
+                       : "ball.body = " + wanted + " is no body of the scene",
+        names.empty() ? "the scene has no bodies" : "it has " + join(names, ", "),
+        close ? "did you mean " + *close + "?" : "give ball.body"});
 }
 
 // A body that was tracked: its region at the start, and its measured path in the scene's time.
 struct Tracked {
     Tracked(const StudyFile& file, const Experiment& experiment, const scene::Scene& scene)
-        : number(ball_of(experiment, scene)), region(scene.bodies[number].shape, scene.domain.dimensions), track(experiment.piv, file.beside(experiment.piv.ball.track)),
-          time_zero(experiment.time_zero) {
+        : number(ball_of(experiment, scene)), region(scene.bodies[number].shape, scene.domain.dimensions),
+          track(experiment.piv, file.beside(experiment.piv.ball.track)), time_zero(experiment.time_zero) {
         centre = region.moments().centre;
         size = region.surface_bounds().max[0] - region.surface_bounds().min[0];
     }
@@ -55,7 +58,9 @@ struct Tracked {
     double size = 0;      // [m]
 };
 
-std::string vector_text(const Vec3& x) { return "[" + format_number(x[0]) + ", " + format_number(x[1]) + ", " + format_number(x[2]) + "]"; }
+std::string vector_text(const Vec3& x) {
+    return "[" + format_number(x[0]) + ", " + format_number(x[1]) + ", " + format_number(x[2]) + "]";
+}
 
 void check_path(const Experiment& experiment, const Tracked& ball, const std::string& name, double last) {
     const auto start = ball.at(0);
@@ -66,18 +71,23 @@ void check_path(const Experiment& experiment, const Tracked& ball, const std::st
         away += along * along;
     }
     if (std::sqrt(away) > std::max(0.05 * ball.size, 3 * ball.track.deviation())) {
-        throw InputError({experiment.piv.where, "ball.track is at " + vector_text(start) + " m at the scene's time 0, and the body " + name + " at " + vector_text(ball.centre) + " m",
-                          "they are one ball, and the run starts where its shape is", "move the body's shape, or look at time_zero, origin and axes"});
+        throw InputError({experiment.piv.where,
+            "ball.track is at " + vector_text(start) + " m at the scene's time 0, and the body " + name + " at " +
+                vector_text(ball.centre) + " m",
+            "they are one ball, and the run starts where its shape is",
+            "move the body's shape, or look at time_zero, origin and axes"});
     }
     if (ball.track.first() > ball.time_zero || ball.track.last() < ball.time_zero + last) {
-        throw InputError({experiment.piv.where, "ball.track goes from " + format_number(ball.track.first() - ball.time_zero) + " to " +
-                                                    format_number(ball.track.last() - ball.time_zero) + " s of the scene's time",
-                          "it is needed from 0 to " + format_number(last) + " s", "give `to`, or a longer track"});
+        throw InputError({experiment.piv.where,
+            "ball.track goes from " + format_number(ball.track.first() - ball.time_zero) + " to " +
+                format_number(ball.track.last() - ball.time_zero) + " s of the scene's time",
+            "it is needed from 0 to " + format_number(last) + " s", "give `to`, or a longer track"});
     }
 }
 
 // The body follows the path: straight between keyframes, of which there are four from one field to the next.
-study::Assignment path_assignment(const Experiment& experiment, const Tracked& ball, const std::string& name, double end, double interval) {
+study::Assignment path_assignment(
+    const Experiment& experiment, const Tracked& ball, const std::string& name, double end, double interval) {
     constexpr double most = 1000;
     const auto count = int(std::clamp(std::ceil(4 * end / std::max(interval, 1e-9)), 50.0, most));
     const auto start = ball.at(0);
@@ -85,7 +95,8 @@ study::Assignment path_assignment(const Experiment& experiment, const Tracked& b
     for (int i = 1; i <= count; ++i) {
         const double time = end * i / count;
         const auto now = ball.at(time);
-        text += (i > 1 ? ", {time: " : "{time: ") + format_number(time) + ", translation: " + vector_text({now[0] - start[0], now[1] - start[1], now[2] - start[2]}) + "}";
+        text += (i > 1 ? ", {time: " : "{time: ") + format_number(time) +
+                ", translation: " + vector_text({now[0] - start[0], now[1] - start[1], now[2] - start[2]}) + "}";
     }
     return {"bodies." + name + ".keyframes=[" + text + "]", experiment.piv.where + ": ball.track"};
 }
@@ -97,14 +108,18 @@ void check_domain(const Experiment& experiment, const identify::ObservedSheet& s
         for (const auto& vector : field.vectors) {
             const auto point = experiment.piv.point(vector.x, vector.y);
             bool in = true;
-            for (std::size_t k = 0; k < std::size_t(domain.dimensions); ++k) in = in && point[k] >= domain.min[k] && point[k] <= domain.max[k];
+            for (std::size_t k = 0; k < std::size_t(domain.dimensions); ++k)
+                in = in && point[k] >= domain.min[k] && point[k] <= domain.max[k];
             if (in) continue;
             if (outside++ == 0) first = point;
         }
     }
     if (outside == 0) return;
-    throw InputError({experiment.piv.where, std::to_string(outside) + " of " + std::to_string(sheet.counts.kept()) + " vectors are outside of the scene's domain, one at " + vector_text(first) + " m",
-                      "the domain goes from " + vector_text(domain.min) + " to " + vector_text(domain.max) + " m", "look at origin, right, up, y and pixel, or mask what is outside"});
+    throw InputError({experiment.piv.where,
+        std::to_string(outside) + " of " + std::to_string(sheet.counts.kept()) +
+            " vectors are outside of the scene's domain, one at " + vector_text(first) + " m",
+        "the domain goes from " + vector_text(domain.min) + " to " + vector_text(domain.max) + " m",
+        "look at origin, right, up, y and pixel, or mask what is outside"});
 }
 } // namespace
 
@@ -113,7 +128,9 @@ identify::ObservedSheet observed_sheet(const StudyFile& file, const Experiment& 
     if (experiment.piv.has_track()) ball.emplace(file, experiment, input.scene);
     const double reach = experiment.piv.window / std::sqrt(2.0); // to the window's corner
     const auto touches = [&](const Vec3& x, double time) { return ball->distance(x, time) < reach; };
-    return identify::observe_sheet(experiment, [&](const std::string& name) { return file.beside(name); }, ball ? identify::Touches(touches) : identify::Touches());
+    return identify::observe_sheet(
+        experiment, [&](const std::string& name) { return file.beside(name); },
+        ball ? identify::Touches(touches) : identify::Touches());
 }
 
 ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment, const Input& input) {
@@ -123,7 +140,8 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
     ObservationNeeds out;
     for (const auto& field : sheet.fields) out.times.push_back(field.time);
     const auto& s = experiment.piv;
-    out.content = "sheet " + experiment.name + vector_text(s.origin) + vector_text(s.right) + vector_text(s.up) + " " + format_number(s.window) + " " + format_number(s.noise);
+    out.content = "sheet " + experiment.name + vector_text(s.origin) + vector_text(s.right) + vector_text(s.up) + " " +
+                  format_number(s.window) + " " + format_number(s.noise);
     for (const auto& field : sheet.fields) {
         out.content += " " + format_number(field.time);
         for (const auto& one : field.vectors) {
@@ -132,20 +150,26 @@ ObservationNeeds sheet_needs(const StudyFile& file, const Experiment& experiment
     }
     // A method that changes with the viscosity has the effect of a flow that does.
     if (input.on_grid() && input.method.grid.stokes.solve == grid::StokesSolve::automatic) {
-        out.assignments.push_back({"method.grid.stokes.solve=together", s.where + ": one method over the range of viscosities"});
+        out.assignments.push_back(
+            {"method.grid.stokes.solve=together", s.where + ": one method over the range of viscosities"});
     }
     if (!s.has_track()) return out;
     const Tracked ball(file, experiment, input.scene);
     const auto& body = input.scene.bodies[ball.number];
-    check_path(experiment, ball, body.name, s.ball.motion == BallMotion::prescribed ? input.scene.time.end : sheet.fields.back().time);
+    check_path(experiment, ball, body.name,
+        s.ball.motion == BallMotion::prescribed ? input.scene.time.end : sheet.fields.back().time);
     if (s.ball.motion == BallMotion::free) return out;
     const auto origin = s.where + ": ball.track";
-    for (const char* key : {"kind=kinematic", "density=0", "mass=0", "velocity=[0, 0, 0]", "angular_velocity=[0, 0, 0]", "locked=[]"}) out.assignments.push_back({"bodies." + body.name + "." + key, origin});
-    out.assignments.push_back(path_assignment(experiment, ball, body.name, input.scene.time.end, least_interval(sheet.fields, [](const auto& field) { return field.time; })));
+    for (const char* key :
+        {"kind=kinematic", "density=0", "mass=0", "velocity=[0, 0, 0]", "angular_velocity=[0, 0, 0]", "locked=[]"})
+        out.assignments.push_back({"bodies." + body.name + "." + key, origin});
+    out.assignments.push_back(path_assignment(experiment, ball, body.name, input.scene.time.end,
+        least_interval(sheet.fields, [](const auto& field) { return field.time; })));
     return out;
 }
 
-void compare_with_sheet(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& folder) {
+void compare_with_sheet(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run,
+    const std::filesystem::path& folder) {
     std::optional<identify::ObservedSheet> sheet;
     comm.guard([&] { sheet = observed_sheet(file, experiment, run.input); });
     RunFlow flow(comm, run);
@@ -180,7 +204,8 @@ void compare_with_sheet(const Comm& comm, const StudyFile& file, const Experimen
                 vectors.push_back({field.number, vector, at[0], at[1]});
                 at += 2;
                 for (int c = 0; c < 2; ++c) {
-                    identify::SegmentResidual row{field.number, field.time, vector.x, vector.y, c == 0 ? 1.0 : 0.0, c == 0 ? 0.0 : 1.0, at[0], at[1], {}};
+                    identify::SegmentResidual row{field.number, field.time, vector.x, vector.y, c == 0 ? 1.0 : 0.0,
+                        c == 0 ? 0.0 : 1.0, at[0], at[1], {}};
                     std::copy_n(at + 2, identify::sheet_count, row.by_view.begin());
                     residuals.segments.push_back(row);
                     at += 2 + identify::sheet_count;

@@ -33,13 +33,16 @@ std::vector<std::string> numbers_apart(std::vector<double> times) {
     return out;
 }
 
-Input input_of(const StudyFile& file, const study::StudyScene& scene) { return load_scene({file.study.scene_file(scene), scene.set, {}, {}, {}}); }
+Input input_of(const StudyFile& file, const study::StudyScene& scene) {
+    return load_scene({file.study.scene_file(scene), scene.set, {}, {}, {}});
+}
 
 // Goes on with the comparison that has begun, where one has.
-void compare_with_film(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run, const std::filesystem::path& folder,
-                       std::list<FilmComparison>* begun) {
+void compare_with_film(const Comm& comm, const StudyFile& file, const Experiment& experiment, const RunView& run,
+    const std::filesystem::path& folder, std::list<FilmComparison>* begun) {
     if (begun) {
-        const auto one = std::ranges::find_if(*begun, [&](const FilmComparison& other) { return &other.experiment() == &experiment; });
+        const auto one = std::ranges::find_if(
+            *begun, [&](const FilmComparison& other) { return &other.experiment() == &experiment; });
         if (one != begun->end()) return one->complete(run);
     }
     FilmComparison(comm, file, experiment, folder).complete(run);
@@ -55,7 +58,8 @@ std::vector<const Experiment*> experiments_of(const StudyFile& file, const study
 }
 void check_end(const std::string& where, const std::string& name, double last, double end) {
     if (last <= end * (1 + 1e-9)) return;
-    throw InputError({where, name + " is compared up to " + format_number(last) + " s", "the scene ends at " + format_number(end) + " s", "give `to`, or a longer time.end"});
+    throw InputError({where, name + " is compared up to " + format_number(last) + " s",
+        "the scene ends at " + format_number(end) + " s", "give `to`, or a longer time.end"});
 }
 
 identify::Priors experiment_priors(const StudyFile& file) {
@@ -75,8 +79,8 @@ identify::Priors experiment_priors(const StudyFile& file) {
     return out;
 }
 
-void compare_with_experiments(const Comm& comm, const StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder,
-                              std::list<FilmComparison>* begun) {
+void compare_with_experiments(const Comm& comm, const StudyFile& file, const study::StudyScene& scene,
+    const std::filesystem::path& folder, std::list<FilmComparison>* begun) {
     const auto experiments = experiments_of(file, scene);
     if (experiments.empty()) return;
     const auto run = open_run(comm, folder / "run");
@@ -129,19 +133,24 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
         const auto coarsest = read_quantity(file.search.rungs.front(), unit::length);
         if (const auto* spacing = std::get_if<double>(&coarsest)) out.step_per_spacing = 0.5 * interval / *spacing;
     }
-    out.assignments.push_back({"output.times=[" + join(numbers_apart(out.times), ", ") + "]", "the times of what is observed"});
+    out.assignments.push_back(
+        {"output.times=[" + join(numbers_apart(out.times), ", ") + "]", "the times of what is observed"});
     return out;
 }
 
 std::string describe_observations(const StudyFile& file, const Experiment& experiment) {
     if (has_masks(experiment.kind)) {
-        return file.beside(experiment.masks).string() + ": " + std::to_string(identify::observed_frames(experiment, file.beside(experiment.masks)).size()) + " masks";
+        return file.beside(experiment.masks).string() + ": " +
+               std::to_string(identify::observed_frames(experiment, file.beside(experiment.masks)).size()) + " masks";
     }
     const auto input = input_of(file, file.scene_of(experiment));
-    if (experiment.kind == ExperimentKind::series) return file.beside(experiment.series.file).string() + ": " + std::to_string(observed_series(file, experiment, input).size()) + " values";
+    if (experiment.kind == ExperimentKind::series)
+        return file.beside(experiment.series.file).string() + ": " +
+               std::to_string(observed_series(file, experiment, input).size()) + " values";
     const auto sheet = observed_sheet(file, experiment, input);
     const auto& counts = sheet.counts;
-    std::string out = std::to_string(sheet.fields.size()) + " fields, " + std::to_string(counts.vectors) + " vectors, " + std::to_string(counts.kept()) + " compared";
+    std::string out = std::to_string(sheet.fields.size()) + " fields, " + std::to_string(counts.vectors) +
+                      " vectors, " + std::to_string(counts.kept()) + " compared";
     const auto add = [&](std::size_t count, const char* what) {
         if (count > 0) out += ", " + std::to_string(count) + " " + what;
     };

@@ -13,12 +13,13 @@ namespace treacle::app {
 identify::Priors experiment_priors(const identify::StudyFile& file);
 
 // Experiments of a scene of the study, in their order.
-std::vector<const identify::Experiment*> experiments_of(const identify::StudyFile& file, const study::StudyScene& scene);
+std::vector<const identify::Experiment*> experiments_of(
+    const identify::StudyFile& file, const study::StudyScene& scene);
 
 // Compares a finished run of a scene with the experiments of that scene, and writes their residuals into the folder. Collective.
 // begun: comparisons that began while it was under way; null: none.
-void compare_with_experiments(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, const std::filesystem::path& folder,
-                              std::list<FilmComparison>* begun = nullptr);
+void compare_with_experiments(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene,
+    const std::filesystem::path& folder, std::list<FilmComparison>* begun = nullptr);
 
 // Needs of a scene's experiments of its run together; their content as a hash. Throws InputError for observations that do not
 // fit the scene.

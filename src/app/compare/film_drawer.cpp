@@ -20,15 +20,19 @@ surface::Mesh mirrored(surface::Mesh mesh, std::size_t axis, double at) {
 } // namespace
 
 FilmDrawer::FilmDrawer(const identify::StudyFile& file, const identify::Experiment& experiment, const RunView& run)
-    : run_(run), surface_(Comm::self(), run, {.options = surface_options(run.input), .images = true}), model_(experiment_camera(file, experiment, run.input).model),
-      frames_(identify::observed_frames(experiment, file.beside(experiment.masks))), through_(experiment.see_through), occupancy_(experiment.occupancy),
-      step_(0.25 * std::max(least_interval(frames_, &identify::ObservedFrame::time), 1e-3)), readout_(experiment.readout) {}
+    : run_(run), surface_(Comm::self(), run, {.options = surface_options(run.input), .images = true}),
+      model_(experiment_camera(file, experiment, run.input).model),
+      frames_(identify::observed_frames(experiment, file.beside(experiment.masks))), through_(experiment.see_through),
+      occupancy_(experiment.occupancy),
+      step_(0.25 * std::max(least_interval(frames_, &identify::ObservedFrame::time), 1e-3)),
+      readout_(experiment.readout) {}
 
 const surface::Mesh& FilmDrawer::mesh_of(std::size_t frame) {
     if (mesh_ && built_ == frame) return *mesh_;
     mesh_ = &surface_.build(nearest_frame(run_, frames_[frame].time));
     built_ = frame;
-    if (scenery_.depth.empty() || surface_.solids_move()) scenery_ = draw_scenery(run_.input, surface_.solids(), model_, through_);
+    if (scenery_.depth.empty() || surface_.solids_move())
+        scenery_ = draw_scenery(run_.input, surface_.solids(), model_, through_);
     return *mesh_;
 }
 

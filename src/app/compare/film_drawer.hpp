@@ -32,7 +32,7 @@ private:
     video::FilmScenery scenery_;
     std::vector<std::string> through_;
     identify::Occupancy occupancy_;
-    double step_ = 0, readout_ = 0; // [s]
+    double step_ = 0, readout_ = 0;       // [s]
     const surface::Mesh* mesh_ = nullptr; // of the frame that was drawn last
     std::size_t built_ = 0;
 

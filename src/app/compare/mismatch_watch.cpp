@@ -4,9 +4,11 @@
 
 namespace treacle::app {
 
-MismatchWatch::MismatchWatch(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, std::filesystem::path folder, double cut)
+MismatchWatch::MismatchWatch(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene,
+    std::filesystem::path folder, double cut)
     : comm_(comm), folder_(std::move(folder)), cut_(cut) {
-    for (const auto* experiment : experiments_of(file, scene)) comparisons_.emplace_back(comm_, file, *experiment, folder_);
+    for (const auto* experiment : experiments_of(file, scene))
+        comparisons_.emplace_back(comm_, file, *experiment, folder_);
 }
 
 bool MismatchWatch::look() {

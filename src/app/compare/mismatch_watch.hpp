@@ -10,7 +10,8 @@ namespace treacle::app {
 class MismatchWatch {
 public:
     // Collective. folder: that of the request, with the run in folder/run, which need not be there yet. Throws InputError.
-    MismatchWatch(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene, std::filesystem::path folder, double cut);
+    MismatchWatch(const Comm& comm, const identify::StudyFile& file, const study::StudyScene& scene,
+        std::filesystem::path folder, double cut);
 
     // Collective, after a frame has been written: whether the sum is above the cut.
     bool look();

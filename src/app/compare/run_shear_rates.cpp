@@ -18,23 +18,27 @@ double shear_rate(const std::array<Vec3, 3>& gradient) {
 }
 
 // Viscosity of a liquid at a shear rate [Pa s].
-double viscosity_at(const Input& input, const std::vector<flow::ViscosityModel>& curves, std::size_t liquid, double rate) {
+double viscosity_at(
+    const Input& input, const std::vector<flow::ViscosityModel>& curves, std::size_t liquid, double rate) {
     return curves.empty() ? input.scene.liquids[liquid].viscosity : curves[liquid](rate);
 }
 
-void add_frame(const Input& input, const std::vector<flow::ViscosityModel>& curves, const io::Frame& frame, identify::ShearRates& out) {
+void add_frame(const Input& input, const std::vector<flow::ViscosityModel>& curves, const io::Frame& frame,
+    identify::ShearRates& out) {
     constexpr std::int64_t sampled = 2000;
     const auto* velocity = frame.find("velocity");
     if (!velocity || frame.size() == 0) return;
     const auto* liquid = frame.find("liquid");
-    const identify::VelocitySampler sampler(frame.positions, std::get<std::vector<double>>(velocity->values), particle_spacing(input), input.scene.domain.dimensions);
+    const identify::VelocitySampler sampler(frame.positions, std::get<std::vector<double>>(velocity->values),
+        particle_spacing(input), input.scene.domain.dimensions);
     const auto stride = std::max<std::int64_t>(1, frame.size() / sampled);
     for (std::int64_t i = 0; i < frame.size(); i += stride) {
         const double* x = &frame.positions[3 * std::size_t(i)];
         const auto local = sampler.at({x[0], x[1], x[2]});
         if (!local) continue;
         const double rate = shear_rate(local->gradient);
-        const auto which = liquid ? std::size_t(std::get<std::vector<std::int64_t>>(liquid->values)[std::size_t(i)]) : 0;
+        const auto which =
+            liquid ? std::size_t(std::get<std::vector<std::int64_t>>(liquid->values)[std::size_t(i)]) : 0;
         out.add(rate, viscosity_at(input, curves, std::min(which, input.scene.liquids.size() - 1), rate) * rate * rate);
     }
 }
@@ -60,7 +64,8 @@ RunShearRates run_shear_rates(const Comm& comm, const RunView& run) {
         out.all.add(weights);
         identify::ShearRates frame;
         frame.add(weights);
-        if (!frame.empty()) out.frames.push_back(identify::frame_shear_rates(run.frames[std::size_t(all[first])].time, frame));
+        if (!frame.empty())
+            out.frames.push_back(identify::frame_shear_rates(run.frames[std::size_t(all[first])].time, frame));
     }
     std::ranges::sort(out.frames, {}, &identify::FrameShearRates::time);
     return out;

@@ -17,7 +17,7 @@ Job plan(const Comm& comm, const ExportRequest& request) {
     if (std::filesystem::is_regular_file(request.source)) {
         if (!request.frames.empty()) {
             throw InputError({"--frames", "has no effect", request.source.string() + " is a single frame",
-                              "give the run's folder, or leave it out"});
+                "give the run's folder, or leave it out"});
         }
         return {{request.source}, request.source.parent_path()};
     }

@@ -28,7 +28,8 @@ std::string pvd_text(const std::vector<io::SeriesEntry>& entries) {
 std::array<Vec3, 2> read_box(const std::string& text) {
     const auto parts = split_at(text, ';');
     if (parts.size() != 2)
-        throw InputError({"--box \"" + text + "\"", "is no box", "it takes two corners, the lower one first", "write for instance \"0 0 0 cm; 10 10 5 cm\""});
+        throw InputError({"--box \"" + text + "\"", "is no box", "it takes two corners, the lower one first",
+            "write for instance \"0 0 0 cm; 10 10 5 cm\""});
     return {read_vector(parts[0], unit::length, "--box"), read_vector(parts[1], unit::length, "--box")};
 }
 
@@ -39,8 +40,9 @@ bool report_check(const Comm& comm, const surface::Mesh& mesh, Log& log) {
         log.line("check: closed, oriented, manifold");
         return true;
     }
-    log.warn("check: " + std::to_string(faults.open) + " open edges, " + std::to_string(faults.crowded) + " edges of more than two triangles or turned against each other, " +
-             std::to_string(faults.pinched) + " vertices where the surface touches itself, " + std::to_string(faults.flat) + " triangles without area");
+    log.warn("check: " + std::to_string(faults.open) + " open edges, " + std::to_string(faults.crowded) +
+             " edges of more than two triangles or turned against each other, " + std::to_string(faults.pinched) +
+             " vertices where the surface touches itself, " + std::to_string(faults.flat) + " triangles without area");
     return false;
 }
 
@@ -53,7 +55,9 @@ std::vector<std::pair<int, std::string>> pick_liquids(const scene::Scene& scene,
         names.push_back(scene.liquids[k].name);
         if (name == "each" || name == names.back()) out.emplace_back(static_cast<int>(k), "_" + names.back());
     }
-    if (out.empty()) throw InputError({"--liquid " + name, "the scene has no such liquid", "there are " + join(names, ", ") + ", each", ""});
+    if (out.empty())
+        throw InputError(
+            {"--liquid " + name, "the scene has no such liquid", "there are " + join(names, ", ") + ", each", ""});
     return out;
 }
 
@@ -61,9 +65,11 @@ std::vector<std::pair<int, std::string>> pick_liquids(const scene::Scene& scene,
 class SurfaceExport {
 public:
     // Collective. `suffix` of the files' names, before the frame's number.
-    SurfaceExport(const Comm& comm, const RunView& run, const SurfaceRequest& request, const SurfaceChoice& choice, const std::string& suffix)
-        : comm_(comm), run_(run), request_(request), format_(io::surface_format(request.format)), surface_(comm, run, choice),
-          name_(run.input.scene.output.name + "_surface" + suffix), extension_("." + io::format_name(format_)) {}
+    SurfaceExport(const Comm& comm, const RunView& run, const SurfaceRequest& request, const SurfaceChoice& choice,
+        const std::string& suffix)
+        : comm_(comm), run_(run), request_(request), format_(io::surface_format(request.format)),
+          surface_(comm, run, choice), name_(run.input.scene.output.name + "_surface" + suffix),
+          extension_("." + io::format_name(format_)) {}
 
     // Collective: the file of a frame. False for one in which a check finds a fault.
     bool write(std::size_t frame, SurfaceFields& fields, const std::filesystem::path& out, Log& log) {
@@ -74,10 +80,12 @@ public:
         entries_.push_back({file, surface_.time()});
         const bool space = mesh.dimensions == 3;
         const auto& figures = surface_.summary();
-        log.line(file + ": time " + short_number(surface_.time()) + " s, vertices " + std::to_string(mesh.total_vertices) +
-                 (space ? ", triangles " : ", segments ") + std::to_string(mesh.total_triangles) + ", volume " + short_number(figures.volume) +
+        log.line(file + ": time " + short_number(surface_.time()) + " s, vertices " +
+                 std::to_string(mesh.total_vertices) + (space ? ", triangles " : ", segments ") +
+                 std::to_string(mesh.total_triangles) + ", volume " + short_number(figures.volume) +
                  (space ? " m3" : " m2") + ", pieces " + std::to_string(figures.components) +
-                 (figures.dropped > 0 ? ", dropped " + std::to_string(figures.dropped) + " of " + short_number(figures.dropped_volume) + (space ? " m3" : " m2")
+                 (figures.dropped > 0 ? ", dropped " + std::to_string(figures.dropped) + " of " +
+                                            short_number(figures.dropped_volume) + (space ? " m3" : " m2")
                                       : ""));
         return !request_.check || report_check(comm_, mesh, log);
     }
@@ -101,8 +109,9 @@ private:
 ExitCode export_surface(const Comm& comm, const SurfaceRequest& request) {
     const auto format = io::surface_format(request.format);
     if (std::filesystem::is_regular_file(request.source)) {
-        throw InputError({request.source.string(), "is a single frame", "a surface is cut at the walls and bodies of the run's scene",
-                          "give the run's folder, and the frame with --frames"});
+        throw InputError({request.source.string(), "is a single frame",
+            "a surface is cut at the walls and bodies of the run's scene",
+            "give the run's folder, and the frame with --frames"});
     }
     const auto run = open_run(comm, request.source);
     require_frames(run);
@@ -131,7 +140,8 @@ ExitCode export_surface(const Comm& comm, const SurfaceRequest& request) {
         comm.guard_root([&] { surface.write_index(out); });
     }
     progress.finish();
-    log.line(std::to_string(all) + (all == 1 ? " surface to " : " surfaces to ") + out.string() + " as " + request.format);
+    log.line(
+        std::to_string(all) + (all == 1 ? " surface to " : " surfaces to ") + out.string() + " as " + request.format);
     return sound ? ExitCode::ok : ExitCode::simulation_failed;
 }
 

@@ -16,8 +16,7 @@ namespace treacle::app {
 namespace {
 
 // Smallest and largest value over all ranks, as text.
-std::string range_text(const Comm& comm, const std::vector<double>& values, std::size_t first,
-                       std::size_t stride) {
+std::string range_text(const Comm& comm, const std::vector<double>& values, std::size_t first, std::size_t stride) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (auto i = first; i < values.size(); i += stride) {
         low = std::min(low, values[i]);
@@ -42,8 +41,7 @@ void show_frame(const Comm& comm, const std::filesystem::path& path, Log& log) {
     for (const auto& column : frame.fields) {
         log.line(label(with_unit_of(column.name, column)) +
                  range_text(comm, scalar_field(frame, column.name).values, 0, 1) +
-                 (column.components > 1 ? "  (length of " + std::to_string(column.components) + " components)"
-                                        : ""));
+                 (column.components > 1 ? "  (length of " + std::to_string(column.components) + " components)" : ""));
     }
 }
 
@@ -71,7 +69,9 @@ void show_series(const std::filesystem::path& path, Log& log) {
     for (const auto& entry : entries) log.line("  " + entry.file + "  " + format_number(entry.time) + " s");
 }
 
-bool may_be_piv(const std::string& extension) { return extension == ".txt" || extension == ".vec" || extension == ".mat" || extension == ".csv"; }
+bool may_be_piv(const std::string& extension) {
+    return extension == ".txt" || extension == ".vec" || extension == ".mat" || extension == ".csv";
+}
 
 void show_piv(const std::filesystem::path& path, Log& log) {
     const auto fields = identify::read_piv(path);
@@ -110,10 +110,10 @@ ExitCode show_info(const Comm& comm, const std::filesystem::path& path) {
     } else if (may_be_piv(kind)) {
         comm.guard([&] { show_piv(path, log); });
     } else {
-        throw InputError(
-            {path.string(), "is nothing that treacle writes",
-             "frames end in .hdf, their index in .hdf.series, checkpoints in .h5; a run has a folder; of others PIV's .txt, .vec, .mat and .csv are known",
-             kind == ".yaml" ? "look at a scene with treacle check" : ""});
+        throw InputError({path.string(), "is nothing that treacle writes",
+            "frames end in .hdf, their index in .hdf.series, checkpoints in .h5; a run has a folder; of others PIV's "
+            ".txt, .vec, .mat and .csv are known",
+            kind == ".yaml" ? "look at a scene with treacle check" : ""});
     }
     return ExitCode::ok;
 }

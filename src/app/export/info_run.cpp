@@ -37,8 +37,7 @@ void show_entries(const Json& object, const std::string& indent, Log& log) {
     for (const auto& [key, value] : object.items()) {
         const bool small = value.is_object() && value.contains("min") && value.contains("max");
         if (small) {
-            log.line(label(indent + key) + text_of(value["min"]) + " to " + text_of(value["max"]) +
-                     " over the ranks");
+            log.line(label(indent + key) + text_of(value["min"]) + " to " + text_of(value["max"]) + " over the ranks");
         } else if (value.is_object()) {
             log.line(label(indent + key));
             show_entries(value, indent + "  ", log);
@@ -48,8 +47,7 @@ void show_entries(const Json& object, const std::string& indent, Log& log) {
     }
 }
 
-void show_object(const std::filesystem::path& path, const std::string& title, const std::string& missing,
-                 Log& log) {
+void show_object(const std::filesystem::path& path, const std::string& title, const std::string& missing, Log& log) {
     const auto object = read_json(path);
     if (!object.is_object()) {
         log.line(title + ": " + missing);
@@ -102,8 +100,8 @@ void show_steps(const RunView& run, Log& log) {
     constexpr std::size_t shown = 10; // the first columns show its progress; steps.csv has the rest
     for (std::size_t i = 0; i < std::min(shown, table.last.size()); ++i) {
         const auto number = read_number(table.last[i].second);
-        log.line(label("last " + table.last[i].first) +
-                 (number && i > 0 ? short_number(*number) : table.last[i].second));
+        log.line(
+            label("last " + table.last[i].first) + (number && i > 0 ? short_number(*number) : table.last[i].second));
     }
 }
 
@@ -112,8 +110,8 @@ void show_frames(const RunView& run, Log& log) {
         log.line("frames: none");
         return;
     }
-    log.line("frames: " + std::to_string(run.frames.size()) + ", from " +
-             short_number(run.frames.front().time) + " to " + short_number(run.frames.back().time) + " s");
+    log.line("frames: " + std::to_string(run.frames.size()) + ", from " + short_number(run.frames.front().time) +
+             " to " + short_number(run.frames.back().time) + " s");
     const auto frame = io::read_frame(run.frame(run.frames.size() - 1));
     log.line(label("last one") + run.frame(run.frames.size() - 1).string());
     log.line(label("particles") + grouped(static_cast<std::uint64_t>(frame.total)));
@@ -136,8 +134,8 @@ void show_scene(const RunView& run, Log& log) {
     log.line("run: " + run.folder.root.string() + (scene.title.empty() ? "" : ", " + scene.title));
     std::vector<std::string> liquids;
     for (const auto& liquid : scene.liquids) {
-        liquids.push_back(liquid.name + " (" + short_number(liquid.density) + " kg/m3, " +
-                          short_number(liquid.viscosity) + " Pa s)");
+        liquids.push_back(
+            liquid.name + " (" + short_number(liquid.density) + " kg/m3, " + short_number(liquid.viscosity) + " Pa s)");
     }
     log.line(label("liquids") + join(liquids, ", "));
     log.line(label("spacing") + short_number(scene.domain.spacing) + " m");
@@ -157,7 +155,7 @@ void show_run(const Comm& comm, const std::filesystem::path& path, Log& log) {
     show_checkpoints(comm, run, log);
     comm.guard_root([&] {
         show_object(run.folder.summary(), "how it ended",
-                    "no summary.json: the run is still going, or was ended by an error", log);
+            "no summary.json: the run is still going, or was ended by an error", log);
     });
 }
 

@@ -25,11 +25,12 @@ struct AskedStudy {
 // at the answer. It is a run of the study like the others, kept and resumed by its content, and stays out of the
 // answer's trials. An obstacle is stated in `problem`; `found.end` is `stopped` when a stop was requested. `found` has
 // an estimate.
-identify::ComparedCurve run_at_curve(const AskedStudy& asked, const identify::Priors& priors, const MeasuredCurve& measured, identify::Identification& found,
-                                     Log& log);
+identify::ComparedCurve run_at_curve(const AskedStudy& asked, const identify::Priors& priors,
+    const MeasuredCurve& measured, identify::Identification& found, Log& log);
 
 // Keys of the scene that give a liquid the law: "liquids.syrup.viscosity=8.01 Pa.s", and its rheology as a whole, in which the times and rates of
 // regularisation stay as they are. To six digits.
-std::vector<std::string> keys_of_law(const identify::CurveFit& law, const std::string& liquid, const scene::Rheology& rheology);
+std::vector<std::string> keys_of_law(
+    const identify::CurveFit& law, const std::string& liquid, const scene::Rheology& rheology);
 
 } // namespace treacle::app

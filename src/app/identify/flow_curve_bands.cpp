@@ -13,17 +13,20 @@ constexpr double least_rate = 0.01, most_rate = 1000; // [1/s]
 constexpr int points = 31;
 
 // The curve of a liquid at given values of the searched parameters; nothing where no scene has the liquid.
-std::optional<flow::ViscosityModel> curve_at(const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
+std::optional<flow::ViscosityModel> curve_at(
+    const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
     const auto found = liquid_at(file, liquid, searched);
     if (!found) return {};
     return flow::make_viscosity_model(*found);
 }
 
-identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify::Identification& found, const std::string& liquid, const flow::ViscosityModel& curve) {
+identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify::Identification& found,
+    const std::string& liquid, const flow::ViscosityModel& curve) {
     constexpr double ninety = 1.6449;
     identify::FlowCurveBand out;
     out.liquid = liquid;
-    for (int i = 0; i < points; ++i) out.value.rates.push_back(least_rate * std::pow(most_rate / least_rate, double(i) / (points - 1)));
+    for (int i = 0; i < points; ++i)
+        out.value.rates.push_back(least_rate * std::pow(most_rate / least_rate, double(i) / (points - 1)));
     out.low.rates = out.high.rates = out.value.rates;
     const auto slopes = flow_curve_slopes(file, found.values, liquid, out.value.rates);
     for (int i = 0; i < points; ++i) {
@@ -39,7 +42,8 @@ identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify:
 
 } // namespace
 
-Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer, const std::string& liquid, const std::vector<double>& rates) {
+Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer,
+    const std::string& liquid, const std::vector<double>& rates) {
     constexpr double share = 0.01; // of the range: linear, far above round-off
     const auto here = *curve_at(file, liquid, answer);
     Eigen::MatrixXd out(Eigen::Index(rates.size()), Eigen::Index(file.searched));
@@ -47,13 +51,15 @@ Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::ve
         auto values = answer;
         const double step = identify::move_along(file.study.parameters[k], share, values[k]);
         const auto there = *curve_at(file, liquid, values);
-        for (std::size_t i = 0; i < rates.size(); ++i) out(Eigen::Index(i), Eigen::Index(k)) = std::log(there(rates[i]) / here(rates[i])) / step;
+        for (std::size_t i = 0; i < rates.size(); ++i)
+            out(Eigen::Index(i), Eigen::Index(k)) = std::log(there(rates[i]) / here(rates[i])) / step;
     }
     return out;
 }
 
-std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file, const identify::Identification& identification,
-                                                      const std::function<std::filesystem::path(std::int64_t)>& folder_of, const std::optional<MeasuredCurve>& measured) {
+std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile& file,
+    const identify::Identification& identification, const std::function<std::filesystem::path(std::int64_t)>& folder_of,
+    const std::optional<MeasuredCurve>& measured) {
     std::vector<identify::FlowCurveBand> out;
     if (!identification.estimate) return out;
     identify::ShearRates flow;

@@ -27,7 +27,8 @@ bool succeeds(std::vector<std::string> command, const std::filesystem::path& out
 std::size_t count_frames(const std::filesystem::path& run) {
     std::size_t count = 0;
     std::error_code none;
-    for (const auto& entry : std::filesystem::directory_iterator(run / "frames", none)) count += entry.path().filename().string().starts_with("frame_");
+    for (const auto& entry : std::filesystem::directory_iterator(run / "frames", none))
+        count += entry.path().filename().string().starts_with("frame_");
     return count;
 }
 
@@ -41,28 +42,31 @@ std::vector<std::string> camera_words(const identify::StudyFile& file, const stu
     return {};
 }
 
-std::vector<identify::ReportPicture> draw(const std::filesystem::path& run, const std::filesystem::path& folder, const std::string& field, const std::string& scene,
-                                          const std::vector<std::string>& camera, Log& log) {
+std::vector<identify::ReportPicture> draw(const std::filesystem::path& run, const std::filesystem::path& folder,
+    const std::string& field, const std::string& scene, const std::vector<std::string>& camera, Log& log) {
     const auto frames = count_frames(run);
     if (frames < 2) return {};
     const auto name = "hidden_" + scene + "_" + field;
     const auto stride = std::max<std::size_t>(1, (frames - 1 + pictures - 1) / pictures);
-    std::vector<std::string> command{"render", run.string(), "--style", "surface", "--field", field, "--no-movie", "--size", "480x360", "--frames",
-                                     std::to_string(std::min(stride, frames - 1)) + ":-1:" + std::to_string(stride), "--out", (folder / name).string()};
+    std::vector<std::string> command{"render", run.string(), "--style", "surface", "--field", field, "--no-movie",
+        "--size", "480x360", "--frames", std::to_string(std::min(stride, frames - 1)) + ":-1:" + std::to_string(stride),
+        "--out", (folder / name).string()};
     command.insert(command.end(), camera.begin(), camera.end());
     if (!succeeds(command, folder / (name + ".txt"), log)) return {};
     std::filesystem::remove(folder / (name + ".txt"));
     std::vector<identify::ReportPicture> out;
     for (const auto& entry : std::filesystem::directory_iterator(folder / name)) {
-        if (entry.path().extension() == ".png") out.push_back({name + "/" + entry.path().filename().string(), scene + ": " + field});
+        if (entry.path().extension() == ".png")
+            out.push_back({name + "/" + entry.path().filename().string(), scene + ": " + field});
     }
     std::ranges::sort(out, {}, &identify::ReportPicture::file);
     return out;
 }
 } // namespace
 
-std::vector<identify::ReportPicture> draw_hidden_fields(const std::filesystem::path& folder, const identify::StudyFile& file, const identify::Identification& found,
-                                                        const std::function<std::filesystem::path(std::int64_t)>& folder_of, Log& log) {
+std::vector<identify::ReportPicture> draw_hidden_fields(const std::filesystem::path& folder,
+    const identify::StudyFile& file, const identify::Identification& found,
+    const std::function<std::filesystem::path(std::int64_t)>& folder_of, Log& log) {
     std::vector<identify::ReportPicture> out;
     const auto* best = identify::best_trial(found);
     if (!best) return out;
@@ -71,9 +75,12 @@ std::vector<identify::ReportPicture> draw_hidden_fields(const std::filesystem::p
         const auto& scene = file.study.scenes[i];
         const auto kept = folder_of(best->runs[i]) / "run", again = folder / ("run_" + scene.name);
         const bool is_kept = count_frames(kept) > 0;
-        if (!is_kept && !succeeds({"run", (kept / "effective.yaml").string(), "--out", again.string(), "--overwrite"}, folder / "run.txt", log)) continue;
+        if (!is_kept && !succeeds({"run", (kept / "effective.yaml").string(), "--out", again.string(), "--overwrite"},
+                            folder / "run.txt", log))
+            continue;
         for (const char* field : {"pressure", "speed"}) {
-            for (auto& one : draw(is_kept ? kept : again, folder, field, scene.name, camera_words(file, scene), log)) out.push_back(std::move(one));
+            for (auto& one : draw(is_kept ? kept : again, folder, field, scene.name, camera_words(file, scene), log))
+                out.push_back(std::move(one));
         }
         std::filesystem::remove_all(again);
         std::filesystem::remove(folder / "run.txt");

@@ -26,14 +26,16 @@ std::vector<std::string> searched_liquids(const identify::StudyFile& file) {
     return out;
 }
 
-std::optional<scene::Liquid> liquid_at(const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
+std::optional<scene::Liquid> liquid_at(
+    const identify::StudyFile& file, const std::string& liquid, const std::vector<double>& searched) {
     study::Point words;
     for (std::size_t k = 0; k < file.study.parameters.size(); ++k) {
         const auto& parameter = file.study.parameters[k];
         words.push_back(k < searched.size() ? parameter.word(searched[k]) : parameter.values.front());
     }
     for (const auto& scene : file.study.scenes) {
-        const auto input = load_scene(source_of(file.study.scene_file(scene), study::assignments_of(file.study, scene, words)));
+        const auto input =
+            load_scene(source_of(file.study.scene_file(scene), study::assignments_of(file.study, scene, words)));
         const auto& liquids = input.scene.liquids;
         const auto found = std::ranges::find(liquids, liquid, &scene::Liquid::name);
         if (found != liquids.end()) return *found;
@@ -43,7 +45,8 @@ std::optional<scene::Liquid> liquid_at(const identify::StudyFile& file, const st
     return {};
 }
 
-std::vector<identify::Material> identified_materials(const identify::StudyFile& file, const identify::Identification& found, const std::vector<identify::FlowCurveBand>& curves) {
+std::vector<identify::Material> identified_materials(const identify::StudyFile& file,
+    const identify::Identification& found, const std::vector<identify::FlowCurveBand>& curves) {
     std::vector<identify::Material> out;
     if (!found.estimate) return out;
     const auto answers = identify::answer_lines(file, found);
@@ -64,7 +67,8 @@ std::vector<identify::Material> identified_materials(const identify::StudyFile& 
             material.well_determined = material.well_determined && how == identify::well_determined;
         }
         for (const auto& curve : curves) {
-            if (curve.liquid == name && !curve.flow.empty()) material.found.push_back(identify::describe(curve).front());
+            if (curve.liquid == name && !curve.flow.empty())
+                material.found.push_back(identify::describe(curve).front());
         }
         out.push_back(std::move(material));
     }

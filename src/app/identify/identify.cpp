@@ -16,7 +16,8 @@ namespace {
 void require_experiments(const identify::StudyFile& file) {
     if (!file.experiments.empty()) return;
     throw InputError({file.study.path.string(), "has no experiments", "there is nothing to compare the runs with",
-                      "name the masks of a film, experiments: [{masks: masks, camera: camera.yaml}], or fields of PIV; `treacle sweep` needs none"});
+        "name the masks of a film, experiments: [{masks: masks, camera: camera.yaml}], or fields of PIV; `treacle "
+        "sweep` needs none"});
 }
 } // namespace
 
@@ -35,7 +36,8 @@ IdentifiedStudy identified_study(const IdentifyRequest& request) {
     study::check_launcher(file.study);
     study::StudyRuns runs(file.study, {out.folder, this_program(), {}}, log);
     out.answer = identify::identify(file, priors, runs, scenes.reader(), log);
-    if (out.measured && out.answer.estimate) out.compared = run_at_curve({file, runs, scenes.reader()}, priors, *out.measured, out.answer, log);
+    if (out.measured && out.answer.estimate)
+        out.compared = run_at_curve({file, runs, scenes.reader()}, priors, *out.measured, out.answer, log);
     std::vector<std::int64_t> of_parameters; // runs that the values of the parameters determine
     std::map<std::int64_t, std::filesystem::path> folders;
     for (const auto& run : runs.journal().runs()) {

@@ -7,17 +7,17 @@ namespace treacle::app {
 // Arguments of `treacle identify`, beyond those of a sweep.
 struct IdentifyRequest : SweepRequest {
     std::string compared_curve; // a rheometer's table, as read_measured_curve takes it; empty: none
-    bool hidden = false; // draws pressure and speed, see hidden_fields.hpp
-    bool quick = false; // see StudyFile::make_quick
+    bool hidden = false;        // draws pressure and speed, see hidden_fields.hpp
+    bool quick = false;         // see StudyFile::make_quick
 };
 
 // A study's answer, and where its runs are.
 struct IdentifiedStudy {
     identify::StudyFile file;
     identify::Identification answer;
-    std::optional<MeasuredCurve> measured; // where the request has a table
-    std::optional<identify::ComparedCurve> compared;     // with it, where there is an answer
-    std::filesystem::path folder; // of the study's results
+    std::optional<MeasuredCurve> measured;                        // where the request has a table
+    std::optional<identify::ComparedCurve> compared;              // with it, where there is an answer
+    std::filesystem::path folder;                                 // of the study's results
     std::function<std::filesystem::path(std::int64_t)> folder_of; // of a run
 };
 // Does the runs that are lacking and writes the table of those that the answer comes from. Throws InputError, for a bad table of a rheometer before

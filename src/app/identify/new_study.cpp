@@ -19,7 +19,10 @@ constexpr double range_factor = 30; // of the search, to either side of the firs
 
 constexpr std::array sights{
     SightOption{"viscosity", "First guess, in the place of a formula", "VISCOSITY"},
-    SightOption{"front", "How far the liquid had come: from the wall behind it, from the middle of a cylinder, from the block's upper edge on a slope", "LENGTH"},
+    SightOption{"front",
+        "How far the liquid had come: from the wall behind it, from the middle of a cylinder, from the block's upper "
+        "edge on a slope",
+        "LENGTH"},
     SightOption{"at", "Time from the start at which --front, --fallen or --drained was seen", "TIME"},
     SightOption{"fallen", "How far a ball had fallen", "LENGTH"},
     SightOption{"drained", "Volume that had run out of a hole or nozzle", "VOLUME"},
@@ -44,7 +47,8 @@ std::string digits(double value) {
 
 double read_in(const std::string& where, const std::string& text, const Unit& unit) {
     const auto read = read_quantity(text, unit);
-    if (const auto* complaint = std::get_if<Complaint>(&read)) throw InputError({where, complaint->must, complaint->reason, complaint->cure});
+    if (const auto* complaint = std::get_if<Complaint>(&read))
+        throw InputError({where, complaint->must, complaint->reason, complaint->cure});
     return std::get<double>(read);
 }
 
@@ -93,19 +97,26 @@ void fill_in(std::string& study, const std::string& entry, const std::string& co
     const auto at = std::ranges::find(names, name);
     if (equals == std::string::npos || at == names.end()) {
         const auto close = nearest(name, names);
-        throw InputError({where, "is not of the form NAME=VALUE with a name of its form", "there are " + join(names, ", "),
-                          close && *close != name ? "did you mean " + *close + "?" : "write for instance --set \"" + names.back() + "=7 cm +- 0.05 cm\""});
+        throw InputError(
+            {where, "is not of the form NAME=VALUE with a name of its form", "there are " + join(names, ", "),
+                close && *close != name ? "did you mean " + *close + "?"
+                                        : "write for instance --set \"" + names.back() + "=7 cm +- 0.05 cm\""});
     }
     const auto line = form_of(study)[std::size_t(at - names.begin())];
     const auto& unit = unit_of(study.substr(line.value, line.value_end - line.value));
     const auto mark = entry.find("+-", equals);
     const auto value = trimmed(entry.substr(equals + 1, mark == std::string::npos ? mark : mark - equals - 1));
     read_in(where, value, unit);
-    const auto unit_text = [](const std::string& text) { return text.substr(std::min(text.size(), text.find_first_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"))); };
-    const auto deviation = mark == std::string::npos ? study.substr(line.deviation, line.deviation_end - line.deviation) : trimmed(entry.substr(mark + 2));
+    const auto unit_text = [](const std::string& text) {
+        return text.substr(
+            std::min(text.size(), text.find_first_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")));
+    };
+    const auto deviation = mark == std::string::npos ? study.substr(line.deviation, line.deviation_end - line.deviation)
+                                                     : trimmed(entry.substr(mark + 2));
     read_in(where, deviation, unit);
     if (unit_text(deviation) != unit_text(value)) {
-        throw InputError({where, "has another unit than its uncertainty, " + deviation, "", "write both, in one unit: \"" + name + "=7 cm +- 0.05 cm\""});
+        throw InputError({where, "has another unit than its uncertainty, " + deviation, "",
+            "write both, in one unit: \"" + name + "=7 cm +- 0.05 cm\""});
     }
     study.replace(line.deviation, line.deviation_end - line.deviation, deviation);
     study.replace(line.value, line.value_end - line.value, value);
@@ -125,10 +136,14 @@ FormValues values_of(const std::string& study, const NewStudyRequest& request, c
         out[name] = value;
     }
     // The cup's time becomes its kinematic viscosity.
-    if (const auto cup = request.sight.find("cup"), time = request.sight.find("efflux"); cup != request.sight.end() && time != request.sight.end()) {
+    if (const auto cup = request.sight.find("cup"), time = request.sight.find("efflux");
+        cup != request.sight.end() && time != request.sight.end()) {
         const auto nu = identify::efflux_viscosity(cup->second, out.at("efflux"));
-        if (!nu) throw InputError({command + " --cup " + cup->second + " --efflux " + time->second, "is no cup, or a time for which it has no formula",
-                                   "thin liquids run out in the time that its formula takes off", "there are ford2 to ford5 and zahn1 to zahn5"});
+        if (!nu)
+            throw InputError({command + " --cup " + cup->second + " --efflux " + time->second,
+                "is no cup, or a time for which it has no formula",
+                "thin liquids run out in the time that its formula takes off",
+                "there are ford2 to ford5 and zahn1 to zahn5"});
         out["efflux"] = *nu;
     }
     return out;
@@ -145,18 +160,22 @@ struct Guessed {
     std::string source;
 };
 
-std::optional<Guessed> guess(const StudyTemplate& chosen, const std::string& study, const NewStudyRequest& request, const std::string& command) {
+std::optional<Guessed> guess(
+    const StudyTemplate& chosen, const std::string& study, const NewStudyRequest& request, const std::string& command) {
     const auto values = values_of(study, request, command);
     if (request.sight.contains("viscosity")) return Guessed{values.at("viscosity"), "as told"};
     if (request.sight.empty()) return {};
     std::vector<std::string> known;
     for (const auto& one : chosen.guesses) {
         known.push_back(takes(one));
-        const auto used = [&](const auto& sight) { return std::ranges::find(one.takes, sight.first) != one.takes.end(); };
-        if (request.sight.size() == one.takes.size() && std::ranges::all_of(request.sight, used)) return Guessed{one.viscosity(values), one.source};
+        const auto used = [&](const auto& sight) {
+            return std::ranges::find(one.takes, sight.first) != one.takes.end();
+        };
+        if (request.sight.size() == one.takes.size() && std::ranges::all_of(request.sight, used))
+            return Guessed{one.viscosity(values), one.source};
     }
     throw InputError({command + " --" + request.sight.begin()->first, "gives no first guess with what is beside it",
-                      "the formulas of this experiment take " + join(known, ", or "), "give those, or --viscosity"});
+        "the formulas of this experiment take " + join(known, ", or "), "give those, or --viscosity"});
 }
 
 void replace_after(std::string& text, const std::string& before, const std::string& until, const std::string& value) {
@@ -166,7 +185,8 @@ void replace_after(std::string& text, const std::string& before, const std::stri
 
 void write_guess(std::string& study, std::string& scene, const Guessed& guessed, double seen_at) {
     const auto word = [](double value) { return digits(value) + " Pa.s"; };
-    replace_after(study, "range: [", "]", word(guessed.viscosity / range_factor) + ", " + word(guessed.viscosity * range_factor));
+    replace_after(
+        study, "range: [", "]", word(guessed.viscosity / range_factor) + ", " + word(guessed.viscosity * range_factor));
     replace_after(study, "start: ", ",", word(guessed.viscosity));
     replace_after(scene, "viscosity: ", "\n", word(guessed.viscosity));
     if (seen_at == 0) return;
@@ -177,11 +197,13 @@ void write_guess(std::string& study, std::string& scene, const Guessed& guessed,
 }
 
 void list_templates() {
-    std::printf("treacle new TEMPLATE DIR writes a study with its scene, a form of what to measure, and how to film:\n");
+    std::printf(
+        "treacle new TEMPLATE DIR writes a study with its scene, a form of what to measure, and how to film:\n");
     for (const auto& one : study_templates()) {
         const auto study = std::string(template_text(one.name + "/study.yaml"));
         std::printf("  %-16s %s\n", one.name.c_str(), study.substr(2, study.find('\n') - 2).c_str());
-        for (const auto& guess : one.guesses) std::printf("  %-16s   first guess: %s (%s)\n", "", takes(guess).c_str(), guess.source.c_str());
+        for (const auto& guess : one.guesses)
+            std::printf("  %-16s   first guess: %s (%s)\n", "", takes(guess).c_str(), guess.source.c_str());
     }
     std::printf("\n%s", std::string(template_text("little.txt")).c_str());
 }
@@ -194,7 +216,7 @@ const StudyTemplate& find_template(const std::string& name) {
     }
     const auto close = nearest(name, names);
     throw InputError({"treacle new", "there is no template " + name, "there are " + join(names, ", "),
-                      close ? "did you mean " + *close + "?" : "`treacle new` describes them"});
+        close ? "did you mean " + *close + "?" : "`treacle new` describes them"});
 }
 } // namespace
 
@@ -207,25 +229,34 @@ ExitCode new_study(const NewStudyRequest& request) {
     }
     const auto& chosen = find_template(request.name);
     const auto command = "treacle new " + chosen.name;
-    if (request.folder.empty()) throw InputError({command, "needs a folder", "the study is written into it", "write " + command + " my_study"});
+    if (request.folder.empty())
+        throw InputError({command, "needs a folder", "the study is written into it", "write " + command + " my_study"});
     std::error_code ignored;
     if (std::filesystem::exists(request.folder) && !std::filesystem::is_empty(request.folder, ignored)) {
-        throw InputError({request.folder.string(), "exists and is not empty", "nothing is overwritten", "choose another folder"});
+        throw InputError(
+            {request.folder.string(), "exists and is not empty", "nothing is overwritten", "choose another folder"});
     }
-    auto study = std::string(template_text(chosen.name + "/study.yaml")), scene = std::string(template_text(chosen.name + "/scene.yaml"));
+    auto study = std::string(template_text(chosen.name + "/study.yaml")),
+         scene = std::string(template_text(chosen.name + "/scene.yaml"));
     for (const auto& entry : request.form) fill_in(study, entry, command);
     const auto guessed = guess(chosen, study, request, command);
-    if (guessed) write_guess(study, scene, *guessed, request.sight.contains("at") ? read_in(command, request.sight.at("at"), unit::time) : 0);
+    if (guessed)
+        write_guess(study, scene, *guessed,
+            request.sight.contains("at") ? read_in(command, request.sight.at("at"), unit::time) : 0);
     FolderUnderWay folder(request.folder, ExistingFolder::refuse);
     write_file_atomically(folder.path() / "study.yaml", study);
     write_file_atomically(folder.path() / "scene.yaml", scene);
-    write_file_atomically(folder.path() / "FILMING.md", std::string(template_text(chosen.name + "/filming.md")) + std::string(template_text("FILMING.md")));
+    write_file_atomically(folder.path() / "FILMING.md",
+        std::string(template_text(chosen.name + "/filming.md")) + std::string(template_text("FILMING.md")));
     folder.finish();
     const auto files = request.folder.string();
-    std::printf("%s/study.yaml: what to measure, under `measured`; FILMING.md: how to film; `treacle check %s/study.yaml`: what matters\n", files.c_str(), files.c_str());
+    std::printf("%s/study.yaml: what to measure, under `measured`; FILMING.md: how to film; `treacle check "
+                "%s/study.yaml`: what matters\n",
+        files.c_str(), files.c_str());
     if (guessed) {
-        std::printf("first guess: %s Pa.s (%s); the search goes from %s to %s Pa.s\n", digits(guessed->viscosity).c_str(), guessed->source.c_str(),
-                    digits(guessed->viscosity / range_factor).c_str(), digits(guessed->viscosity * range_factor).c_str());
+        std::printf("first guess: %s Pa.s (%s); the search goes from %s to %s Pa.s\n",
+            digits(guessed->viscosity).c_str(), guessed->source.c_str(),
+            digits(guessed->viscosity / range_factor).c_str(), digits(guessed->viscosity * range_factor).c_str());
     } else {
         std::vector<std::string> known;
         for (const auto& one : chosen.guesses) known.push_back(takes(one));

@@ -27,10 +27,15 @@ struct CandidateStudy {
 
     const identify::Experiment& like() const {
         const auto& all = file.experiments;
-        const auto found = set_up.like.empty() ? all.begin() : std::ranges::find(all, set_up.like, &identify::Experiment::name);
-        if (found == all.end()) throw InputError({set_up.where, "there is no experiment " + set_up.like, "a candidate is like one that was filmed", "give the name of one under `experiments`"});
+        const auto found =
+            set_up.like.empty() ? all.begin() : std::ranges::find(all, set_up.like, &identify::Experiment::name);
+        if (found == all.end())
+            throw InputError({set_up.where, "there is no experiment " + set_up.like,
+                "a candidate is like one that was filmed", "give the name of one under `experiments`"});
         if (found->kind == identify::ExperimentKind::contours) return *found;
-        throw InputError({set_up.where, "the experiment " + found->name + " is not compared by its masks frame by frame", "candidates are films", "name another with `like`"});
+        throw InputError(
+            {set_up.where, "the experiment " + found->name + " is not compared by its masks frame by frame",
+                "candidates are films", "name another with `like`"});
     }
     identify::StudyFile write(const std::filesystem::path& masks, const char* name) const {
         auto out = file;
@@ -42,7 +47,8 @@ struct CandidateStudy {
         experiment.name = experiment.scene = scene.name;
         experiment.masks = masks.string();
         if (!set_up.camera.empty()) experiment.camera = set_up.camera;
-        if (std::filesystem::is_regular_file(file.beside(experiment.camera))) experiment.camera = file.beside(experiment.camera).string();
+        if (std::filesystem::is_regular_file(file.beside(experiment.camera)))
+            experiment.camera = file.beside(experiment.camera).string();
         if (set_up.from >= 0) experiment.from = set_up.from;
         if (set_up.to >= 0) experiment.to = set_up.to;
         out.study.scenes = {scene};
@@ -50,7 +56,8 @@ struct CandidateStudy {
         out.candidates.clear();
         out.search = {};
         out.temperature = {};
-        for (auto& parameter : out.study.parameters) parameter.values.resize(std::min<std::size_t>(1, parameter.values.size()));
+        for (auto& parameter : out.study.parameters)
+            parameter.values.resize(std::min<std::size_t>(1, parameter.values.size()));
         std::filesystem::create_directories(folder);
         write_file_atomically(folder / name, effective(out));
         return load_checked_study(folder / name);
@@ -58,7 +65,8 @@ struct CandidateStudy {
 };
 
 // Runs of a candidate's study at points of the searched parameters; their folders. Throws SimulationError where one fails.
-std::vector<std::filesystem::path> run_points(const identify::StudyFile& file, const std::vector<std::vector<double>>& points, const std::filesystem::path& folder, Log& log) {
+std::vector<std::filesystem::path> run_points(const identify::StudyFile& file,
+    const std::vector<std::vector<double>>& points, const std::filesystem::path& folder, Log& log) {
     const StudyScenes scenes(file);
     study::StudyRuns runs(file.study, {folder, this_program(), {}}, log);
     std::vector<std::int64_t> numbers;
@@ -74,14 +82,17 @@ std::vector<std::filesystem::path> run_points(const identify::StudyFile& file, c
     std::vector<std::filesystem::path> out;
     for (const auto number : numbers) {
         const auto* outcome = runs.journal().outcome(number);
-        if (!outcome || outcome->status != study::RunStatus::done) throw SimulationError({runs.run_folder(number).string(), "a run of the candidate failed", outcome ? outcome->reason : "", "its log.txt says more"});
+        if (!outcome || outcome->status != study::RunStatus::done)
+            throw SimulationError({runs.run_folder(number).string(), "a run of the candidate failed",
+                outcome ? outcome->reason : "", "its log.txt says more"});
         out.push_back(runs.folder_of(number));
     }
     return out;
 }
 
 // The answer, and it moved along each coordinate, into the range; how far.
-std::vector<std::vector<double>> points_around(const identify::StudyFile& file, const std::vector<double>& answer, std::vector<double>& steps) {
+std::vector<std::vector<double>> points_around(
+    const identify::StudyFile& file, const std::vector<double>& answer, std::vector<double>& steps) {
     std::vector<std::vector<double>> out{answer};
     for (std::size_t k = 0; k < file.searched; ++k) {
         out.push_back(answer);
@@ -98,18 +109,21 @@ std::filesystem::path film_candidate(const CandidateStudy& candidate, const std:
     if (run.empty()) return {};
     const auto out = run.front() / "masks_candidate";
     for (const char* name : {"silhouettes.csv", "film.csv"}) {
-        if (std::filesystem::is_regular_file(masks / name)) std::filesystem::copy_file(masks / name, out / name, std::filesystem::copy_options::overwrite_existing);
+        if (std::filesystem::is_regular_file(masks / name))
+            std::filesystem::copy_file(masks / name, out / name, std::filesystem::copy_options::overwrite_existing);
     }
     return out;
 }
 
 // Information that a candidate gives; nothing when stopped.
-std::optional<Eigen::MatrixXd> information_of(const CandidateStudy& candidate, const identify::Identification& found, double variance, Log& log) {
+std::optional<Eigen::MatrixXd> information_of(
+    const CandidateStudy& candidate, const identify::Identification& found, double variance, Log& log) {
     const auto masks = film_candidate(candidate, found.values, log);
     if (masks.empty()) return {};
     const auto study = candidate.write(masks, "study.yaml");
     std::vector<double> steps;
-    const auto folders = run_points(study, points_around(candidate.file, found.values, steps), candidate.folder / "moved", log);
+    const auto folders =
+        run_points(study, points_around(candidate.file, found.values, steps), candidate.folder / "moved", log);
     if (folders.empty()) return {};
     std::vector<identify::RunResiduals> runs;
     for (const auto& folder : folders) runs.push_back(identify::read_residuals(folder, "candidate"));
@@ -123,13 +137,16 @@ struct Row {
     double half_width = 0; // of ln eta
 };
 
-void say(const std::vector<Row>& rows, double now, const NextRequest& request, const std::filesystem::path& folder, Log& log) {
+void say(const std::vector<Row>& rows, double now, const NextRequest& request, const std::filesystem::path& folder,
+    Log& log) {
     std::string csv = "candidate,half-width of the 90 % band,share of now\n";
     char text[160];
-    std::snprintf(text, sizeof text, "half the width of the flow curve's 90 %% band over %.3g to %.3g 1/s: now %.1f %%", request.low, request.high, 100 * now);
+    std::snprintf(text, sizeof text, "half the width of the flow curve's 90 %% band over %.3g to %.3g 1/s: now %.1f %%",
+        request.low, request.high, 100 * now);
     log.line(text);
     for (const auto& row : rows) {
-        std::snprintf(text, sizeof text, "  with %-24s %6.1f %%   %.2f of now", row.name.c_str(), 100 * row.half_width, row.half_width / now);
+        std::snprintf(text, sizeof text, "  with %-24s %6.1f %%   %.2f of now", row.name.c_str(), 100 * row.half_width,
+            row.half_width / now);
         log.line(text);
         csv += row.name + "," + format_number(row.half_width) + "," + format_number(row.half_width / now) + "\n";
     }
@@ -141,16 +158,20 @@ void say(const std::vector<Row>& rows, double now, const NextRequest& request, c
 ExitCode propose_next(const NextRequest& request) {
     if (const auto asked = load_checked_study(request.study, request.overrides); asked.candidates.empty()) {
         throw InputError({asked.study.path.string(), "has no candidates", "there is nothing to choose from",
-                          "list set-ups that you could film: candidates: [{name: low, set: [\"liquids.lotion.shapes.0.box.max=[2.5 cm, 5 cm]\"]}]"});
+            "list set-ups that you could film: candidates: [{name: low, set: [\"liquids.lotion.shapes.0.box.max=[2.5 "
+            "cm, 5 cm]\"]}]"});
     }
     const auto found = identified_study(request);
     const auto& file = found.file;
     const auto liquids = searched_liquids(file);
-    if (liquids.empty()) throw InputError({file.study.path.string(), "searches no key of a liquid", "candidates are ranked by its flow curve", "`treacle next` is for viscosities and rheologies"});
+    if (liquids.empty())
+        throw InputError({file.study.path.string(), "searches no key of a liquid",
+            "candidates are ranked by its flow curve", "`treacle next` is for viscosities and rheologies"});
     if (found.answer.end == study::StudyEnd::stopped) return ExitCode::stopped;
     if (!found.answer.estimate) return ExitCode::simulation_failed;
     std::vector<double> rates;
-    for (int i = 0; i < rate_points; ++i) rates.push_back(request.low * std::pow(request.high / request.low, double(i) / (rate_points - 1)));
+    for (int i = 0; i < rate_points; ++i)
+        rates.push_back(request.low * std::pow(request.high / request.low, double(i) / (rate_points - 1)));
     const auto slopes = flow_curve_slopes(file, found.answer.values, liquids.front(), rates);
     std::vector<identify::ExperimentKind> kinds;
     for (const auto& one : file.experiments) kinds.push_back(one.kind);
@@ -163,9 +184,11 @@ ExitCode propose_next(const NextRequest& request) {
     for (const auto& line : identify::trade_lines(file, found.answer)) log.line(line);
     std::vector<Row> rows;
     for (const auto& set_up : file.candidates) {
-        const auto told = information_of({file, set_up, found.folder / "next" / set_up.name}, found.answer, variance, log);
+        const auto told =
+            information_of({file, set_up, found.folder / "next" / set_up.name}, found.answer, variance, log);
         if (!told) return ExitCode::stopped;
-        rows.push_back({set_up.name, identify::band_half_width(identify::covariance_after(found.answer.covariance, *told), slopes)});
+        rows.push_back({set_up.name,
+            identify::band_half_width(identify::covariance_after(found.answer.covariance, *told), slopes)});
     }
     std::ranges::stable_sort(rows, {}, &Row::half_width);
     say(rows, now, request, found.folder, log);

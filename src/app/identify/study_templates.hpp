@@ -20,8 +20,8 @@ using FormValues = std::map<std::string, double>;
 
 // A textbook formula that gives the first guess of a template's viscosity.
 struct FirstGuess {
-    std::vector<std::string> takes; // options of `treacle new`, all of them
-    std::string source;             // "Huppert 1982, spreading from a wall"
+    std::vector<std::string> takes;         // options of `treacle new`, all of them
+    std::string source;                     // "Huppert 1982, spreading from a wall"
     double (*viscosity)(const FormValues&); // [Pa s] of the form's values and the options'
 };
 

@@ -27,10 +27,11 @@ void read(scene::Camera& camera, const std::vector<std::filesystem::path>& searc
     for (const auto& folder : search_path)
         if (path.empty() && std::filesystem::is_directory(folder / camera.file)) path = folder / camera.file;
     if (path.empty())
-        throw InputError({camera.where, "the camera file " + camera.file + " was not found", "it is looked for relative to the scene",
-                          "write it with `treacle calibrate`"});
+        throw InputError({camera.where, "the camera file " + camera.file + " was not found",
+            "it is looked for relative to the scene", "write it with `treacle calibrate`"});
     auto record = video::read_camera(path, camera.file_camera);
-    if (camera.size_given) record = video::for_pictures(record, camera.width, camera.height, camera.where + ": cameras." + camera.name);
+    if (camera.size_given)
+        record = video::for_pictures(record, camera.width, camera.height, camera.where + ": cameras." + camera.name);
     take(camera, record);
 }
 

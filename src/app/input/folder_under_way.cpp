@@ -14,8 +14,8 @@ FolderUnderWay::FolderUnderWay(const fs::path& folder, ExistingFolder existing) 
     std::error_code error;
     const bool filled = fs::exists(folder_) && !(fs::is_directory(folder_) && fs::is_empty(folder_, error));
     if (filled && existing == ExistingFolder::refuse)
-        throw InputError({folder_.string(), "exists and is not empty", "results of an earlier call would be mixed with these",
-                          "choose another --out, or give --overwrite"});
+        throw InputError({folder_.string(), "exists and is not empty",
+            "results of an earlier call would be mixed with these", "choose another --out, or give --overwrite"});
     temporary_ = folder_;
     temporary_ += ".part" + std::to_string(::getpid());
     fs::create_directories(temporary_, error);

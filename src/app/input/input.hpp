@@ -29,10 +29,10 @@ struct Change {
 // Sources of an input, as the command line or a study gives it.
 struct InputSource {
     std::filesystem::path scene;
-    std::vector<std::string> overrides;               // "a.b.c=value", of --set
-    std::vector<std::filesystem::path> data_folders;  // of --data; TREACLE_DATA is added
-    std::vector<Change> changes;                      // after the overrides
-    std::vector<std::string> materials;               // of --material, before the overrides
+    std::vector<std::string> overrides;              // "a.b.c=value", of --set
+    std::vector<std::filesystem::path> data_folders; // of --data; TREACLE_DATA is added
+    std::vector<Change> changes;                     // after the overrides
+    std::vector<std::string> materials;              // of --material, before the overrides
 };
 
 // Reads and validates; throws InputError with all problems.

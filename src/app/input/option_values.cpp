@@ -12,7 +12,8 @@ double read_length(const std::string& option, const std::string& text) {
     if (const auto* complaint = std::get_if<Complaint>(&read))
         throw InputError({option + " " + text, complaint->must, complaint->reason, complaint->cure});
     const double length = std::get<double>(read);
-    if (!(length > 0)) throw InputError({option + " " + text, "must be > 0", "it is a length", "measure it with calipers"});
+    if (!(length > 0))
+        throw InputError({option + " " + text, "must be > 0", "it is a length", "measure it with calipers"});
     return length;
 }
 
@@ -24,8 +25,7 @@ double read_wall_limit(const std::string& text) {
     }
     const double seconds = std::get<double>(read);
     if (seconds > 0) return seconds;
-    throw InputError(
-        {"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
+    throw InputError({"--wall-limit " + text, "must be > 0", "it is a length of time", "write for instance 2h"});
 }
 
 Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& option) {
@@ -37,7 +37,8 @@ Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& o
     for (std::size_t k = 0; k < 3; ++k) {
         const auto read = read_quantity(parts[k] + (unit_text.empty() ? "" : " " + unit_text), unit);
         if (const auto* complaint = std::get_if<Complaint>(&read))
-            throw InputError({option + " \"" + text + "\"", complaint->must, complaint->reason, "write three numbers, as in \"10 0 5 cm\""});
+            throw InputError({option + " \"" + text + "\"", complaint->must, complaint->reason,
+                "write three numbers, as in \"10 0 5 cm\""});
         out[k] = std::get<double>(read);
     }
     return out;
@@ -46,8 +47,10 @@ Vec3 read_vector(const std::string& text, const Unit& unit, const std::string& o
 std::vector<std::string> split_at(const std::string& text, char mark) {
     std::vector<std::string> parts{""};
     for (const char c : text) {
-        if (c == mark) parts.emplace_back();
-        else parts.back() += c;
+        if (c == mark)
+            parts.emplace_back();
+        else
+            parts.back() += c;
     }
     return parts;
 }

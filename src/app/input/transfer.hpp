@@ -21,7 +21,8 @@ struct Transfer {
 // Meaning of the values of --material for a scene: "FILE", "FILE:NAME" (of several liquids in the file), "LIQUID=FILE"
 // (of several in the scene), "LIQUID=FILE:NAME". The file may be given by the folder of its study or report. Throws
 // InputError.
-std::vector<Transfer> find_transfers(const std::vector<std::string>& arguments, const scene::Scene& scene, const std::filesystem::path& scene_file);
+std::vector<Transfer> find_transfers(
+    const std::vector<std::string>& arguments, const scene::Scene& scene, const std::filesystem::path& scene_file);
 
 // Sets density, viscosity, rheology and, where it is known, surface tension of the liquid.
 void put_material(const Transfer& transfer, Document& document);

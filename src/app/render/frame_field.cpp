@@ -76,8 +76,7 @@ ScalarField scalar_field(const io::Frame& frame, const std::string& name) {
             return {with_unit_of(name, column), magnitude(column), true};
         }
         for (int k = 0; column.components > 1 && k < column.components; ++k) {
-            if (component_name(column, k) == name)
-                return {with_unit_of(name, column), component(column, k), false};
+            if (component_name(column, k) == name) return {with_unit_of(name, column), component(column, k), false};
         }
     }
     for (std::size_t k = 0; k < 3; ++k) {
@@ -85,10 +84,9 @@ ScalarField scalar_field(const io::Frame& frame, const std::string& name) {
     }
     const auto names = scalar_names(frame);
     const auto close = nearest(name, names);
-    throw InputError(
-        {"--field " + name,
-         "there is no such field in the frames" + (close ? "; did you mean " + *close + "?" : std::string()),
-         "they hold " + join(names, ", "), "output.fields of the scene says what a run writes"});
+    throw InputError({"--field " + name,
+        "there is no such field in the frames" + (close ? "; did you mean " + *close + "?" : std::string()),
+        "they hold " + join(names, ", "), "output.fields of the scene says what a run writes"});
 }
 
 void add_images(io::Frame& frame, const std::vector<scene::MirrorPlane>& planes) {
@@ -96,8 +94,10 @@ void add_images(io::Frame& frame, const std::vector<scene::MirrorPlane>& planes)
         surface::add_image(frame.positions, plane.axis, 2 * plane.place);
         for (auto& column : frame.fields) {
             auto* reals = std::get_if<std::vector<double>>(&column.values);
-            if (reals && column.components == 3) surface::add_image(*reals, plane.axis, 0);
-            else std::visit([](auto& values) { surface::add_image(values); }, column.values);
+            if (reals && column.components == 3)
+                surface::add_image(*reals, plane.axis, 0);
+            else
+                std::visit([](auto& values) { surface::add_image(values); }, column.values);
         }
     }
 }

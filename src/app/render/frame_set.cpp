@@ -4,8 +4,8 @@
 #include "base/text/split.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <charconv>
+#include <cmath>
 
 namespace treacle::app {
 
@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse_range(const std::string& text, const std::string& reason) {
     throw InputError({"--frames " + text, "is no range of frames", reason,
-                      "write first:last:stride, such as 10:20, ::5, or -1 for the last one"});
+        "write first:last:stride, such as 10:20, ::5, or -1 for the last one"});
 }
 
 std::optional<std::int64_t> read_place(const std::string& part, const std::string& text) {
@@ -30,8 +30,8 @@ std::size_t place_of(std::int64_t asked, std::size_t count) {
     const auto place = asked < 0 ? asked + size : asked;
     if (place < 0 || place >= size) {
         throw InputError({"--frames", "there is no frame " + std::to_string(asked),
-                          "there are " + std::to_string(count) + ", counted from 0",
-                          "choose one between 0 and " + std::to_string(size - 1)});
+            "there are " + std::to_string(count) + ", counted from 0",
+            "choose one between 0 and " + std::to_string(size - 1)});
     }
     return static_cast<std::size_t>(place);
 }
@@ -58,8 +58,7 @@ std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count)
         for (auto i = first; i <= last; i += static_cast<std::size_t>(range.stride)) places.push_back(i);
     }
     if (places.empty()) {
-        throw InputError(
-            {"--frames", "no frame is left", "the first one comes after the last one", "swap the two"});
+        throw InputError({"--frames", "no frame is left", "the first one comes after the last one", "swap the two"});
     }
     return places;
 }
@@ -99,7 +98,7 @@ std::optional<std::filesystem::path> RunView::solids_of(std::size_t i) const {
 void require_frames(const RunView& run) {
     if (!run.frames.empty()) return;
     throw InputError({run.folder.root.string(), "there is no frame", "the run has not written one",
-                      "set output.interval or output.times and run again"});
+        "set output.interval or output.times and run again"});
 }
 
 void make_output_folder(const std::filesystem::path& path) {

@@ -26,9 +26,9 @@ std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count)
 // A finished or running run, opened for reading: its scene, its frames.
 struct RunView {
     io::RunFolder folder;
-    Input input;                                 // of effective.yaml
-    std::vector<io::SeriesEntry> frames;         // of the liquid, by time; may be empty
-    std::vector<io::SeriesEntry> solids;         // of the solids' particles: one, or one for each frame
+    Input input;                         // of effective.yaml
+    std::vector<io::SeriesEntry> frames; // of the liquid, by time; may be empty
+    std::vector<io::SeriesEntry> solids; // of the solids' particles: one, or one for each frame
 
     // The solids at the time of a frame; nothing when there are none.
     std::optional<std::filesystem::path> solids_of(std::size_t i) const;

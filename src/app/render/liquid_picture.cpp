@@ -12,7 +12,8 @@ SurfaceChoice choice_of(const RunView& run, const std::string& field) {
 }
 } // namespace
 
-LiquidPainter::LiquidPainter(const Comm& comm, const RunView& run, const video::LiquidScene& scene, const std::string& field)
+LiquidPainter::LiquidPainter(
+    const Comm& comm, const RunView& run, const video::LiquidScene& scene, const std::string& field)
     : comm_(comm), scene_(scene), surface_(comm, run, choice_of(run, field)) {}
 
 std::optional<LiquidPicture> LiquidPainter::draw(std::size_t frame, int to) {

@@ -14,10 +14,10 @@ inline constexpr const char* no_field = "none";
 // A frame's liquid in the camera's picture.
 struct LiquidPicture {
     video::LiquidView view;
-    double time = 0;        // [s]
-    std::int64_t total = 0; // particles
-    surface::Solids solids; // where they are
-    std::string title;      // of the values
+    double time = 0;                            // [s]
+    std::int64_t total = 0;                     // particles
+    surface::Solids solids;                     // where they are
+    std::string title;                          // of the values
     bool has_lower = false, has_higher = false; // values beyond the range
 };
 

@@ -13,9 +13,11 @@ namespace treacle::app {
 
 namespace {
 // Rows of the table: the step, then the requested columns.
-std::vector<std::vector<double>> read_columns(const std::filesystem::path& path, const std::vector<std::string>& names) {
+std::vector<std::vector<double>> read_columns(
+    const std::filesystem::path& path, const std::vector<std::string>& names) {
     if (!std::filesystem::exists(path)) {
-        throw InputError({path.string(), "cannot be read", "it says where bodies are", "give the folder of a run that is whole"});
+        throw InputError(
+            {path.string(), "cannot be read", "it says where bodies are", "give the folder of a run that is whole"});
     }
     const auto table = read_csv(path);
     std::vector<const std::vector<double>*> columns{&table.column("step")};
@@ -42,7 +44,8 @@ MovingSolids::MovingSolids(const Comm& comm, const RunView& run) {
         if (!moves(bodies[b])) continue;
         solid.centre = setup.bodies[b].centre;
         moving_.back() = static_cast<int>(names.size());
-        for (const auto& [what, unit] : {std::pair(" position", " [m]"), {" rotation", " [rad]"}, {" velocity", " [m/s]"}, {" angular velocity", " [rad/s]"}}) {
+        for (const auto& [what, unit] : {std::pair(" position", " [m]"), {" rotation", " [rad]"},
+                 {" velocity", " [m/s]"}, {" angular velocity", " [rad/s]"}}) {
             for (const char* axis : {" x", " y", " z"}) names.push_back(bodies[b].name + what + axis + unit);
         }
     }
@@ -50,8 +53,8 @@ MovingSolids::MovingSolids(const Comm& comm, const RunView& run) {
 }
 
 const std::vector<double>* MovingSolids::row_of(std::int64_t step) const {
-    const auto row = std::lower_bound(poses_.begin(), poses_.end(), static_cast<double>(step),
-                                      [](const auto& one, double s) { return one[0] < s; });
+    const auto row = std::lower_bound(
+        poses_.begin(), poses_.end(), static_cast<double>(step), [](const auto& one, double s) { return one[0] < s; });
     return row == poses_.end() || (*row)[0] != static_cast<double>(step) ? nullptr : &*row;
 }
 
@@ -61,7 +64,8 @@ Vec3 MovingSolids::velocity(std::int64_t step, std::size_t body, const Vec3& x) 
     const double* pose = row->data() + 1 + moving_[body];
     const Vec3 arm{x[0] - pose[0], x[1] - pose[1], x[2] - pose[2]};
     const double *u = pose + 6, *w = pose + 9;
-    return {u[0] + w[1] * arm[2] - w[2] * arm[1], u[1] + w[2] * arm[0] - w[0] * arm[2], u[2] + w[0] * arm[1] - w[1] * arm[0]};
+    return {u[0] + w[1] * arm[2] - w[2] * arm[1], u[1] + w[2] * arm[0] - w[0] * arm[2],
+        u[2] + w[0] * arm[1] - w[1] * arm[0]};
 }
 
 surface::Solids MovingSolids::at(std::int64_t step) const {
@@ -81,11 +85,13 @@ surface::Solids MovingSolids::at(std::int64_t step) const {
     return out;
 }
 
-std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through) {
+std::function<double(const Vec3&)> distance_of_seen(
+    const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through) {
     std::vector<surface::Solid> seen;
     for (std::size_t b = 0; b < input.scene.bodies.size(); ++b) {
         const auto& body = input.scene.bodies[b];
-        if (!body.shape.inverted && std::ranges::find(through, body.name) == through.end()) seen.push_back(solids.bodies[b]);
+        if (!body.shape.inverted && std::ranges::find(through, body.name) == through.end())
+            seen.push_back(solids.bodies[b]);
     }
     return [seen = std::move(seen), none, domain = input.scene.domain](const Vec3& point) {
         double least = none;

@@ -29,6 +29,7 @@ private:
 
 // Distance [m] from the solids that do not fill all space but what they hold, negative inside; `none` without any. Bodies of the names in
 // `through` are transparent.
-std::function<double(const Vec3&)> distance_of_seen(const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through = {});
+std::function<double(const Vec3&)> distance_of_seen(
+    const Input& input, const surface::Solids& solids, double none, const std::vector<std::string>& through = {});
 
 } // namespace treacle::app

@@ -22,7 +22,7 @@ PictureSize read_picture_size(const std::string& text) {
     const auto fits = [](int pixels) { return pixels >= 16 && pixels <= 16384; };
     if (read != 2 || !fits(size.width) || !fits(size.height)) {
         throw InputError({"--size " + text, "is no size of a picture", "both sides have 16 to 16384 pixels",
-                          "write for instance 1920x1080"});
+            "write for instance 1920x1080"});
     }
     return size;
 }
@@ -42,10 +42,9 @@ scene::Camera find_camera(const scene::Scene& scene, const std::string& name) {
     if (std::filesystem::exists(name) || name.find(':') != std::string::npos) return camera_of_file(name);
     names.emplace_back("automatic");
     const auto close = nearest(name, names);
-    throw InputError(
-        {"--camera " + name,
-         "the scene has no such camera" + (close ? "; did you mean " + *close + "?" : std::string()),
-         "there are " + join(names, ", "), "give one of these, or a camera file"});
+    throw InputError({"--camera " + name,
+        "the scene has no such camera" + (close ? "; did you mean " + *close + "?" : std::string()),
+        "there are " + join(names, ", "), "give one of these, or a camera file"});
 }
 
 video::View view_of(const scene::Camera& camera, const scene::Domain& domain, const PictureSize& size) {
@@ -69,7 +68,8 @@ void DrawnSolids::add(const Vec3& position, SolidKind kind) {
 }
 
 void add_solid_layers(const DrawnSolids& points, double spacing, std::vector<video::ParticleLayer>& layers) {
-    const auto add = [&](video::LayerKind kind, const char* name, const std::vector<double>& positions, double opacity) {
+    const auto add = [&](video::LayerKind kind, const char* name, const std::vector<double>& positions,
+                         double opacity) {
         if (positions.empty()) return;
         auto& layer = layers.emplace_back();
         layer.kind = kind;

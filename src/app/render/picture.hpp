@@ -28,7 +28,7 @@ video::View view_of(const scene::Camera& camera, const scene::Domain& domain, co
 
 // Part of a scene that a particle of a solid belongs to; decides what it hides.
 enum class SolidKind {
-    wall,   // of the domain
+    wall, // of the domain
     body,
     hollow, // fills all space but what it holds (`inverted`)
 };

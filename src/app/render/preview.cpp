@@ -15,8 +15,7 @@ class Occupancy {
 public:
     using Index = std::array<std::int64_t, 3>;
 
-    Occupancy(const scene::Lattice& lattice, const std::vector<Vec3>& points)
-        : dimensions_(lattice.dimensions) {
+    Occupancy(const scene::Lattice& lattice, const std::vector<Vec3>& points) : dimensions_(lattice.dimensions) {
         for (const auto& x : points) indices_.push_back(index_of(lattice, x));
         Index high = low_ = indices_.front();
         for (const auto& i : indices_) {
@@ -51,8 +50,7 @@ private:
     }
 
     std::size_t place(const Index& i) const {
-        return static_cast<std::size_t>(i[0] - low_[0] +
-                                        size_[0] * (i[1] - low_[1] + size_[1] * (i[2] - low_[2])));
+        return static_cast<std::size_t>(i[0] - low_[0] + size_[0] * (i[1] - low_[1] + size_[1] * (i[2] - low_[2])));
     }
 
     template <class Visit>
@@ -106,8 +104,7 @@ Preview make_preview(const Input& input, const Geometry& geometry) {
     add_solids(geometry, preview.lattice.spacing, preview);
     const bool exact = preview.coarsening == 1;
     preview.liquid_count = exact ? preview.liquid.positions.size() : counts.liquid;
-    preview.solid_count =
-        exact ? preview.solids.count() : counts.solid;
+    preview.solid_count = exact ? preview.solids.count() : counts.solid;
     return preview;
 }
 
@@ -133,8 +130,7 @@ std::vector<double> thin_shares(const Preview& preview, std::size_t liquids) {
         points[static_cast<std::size_t>(preview.liquid.liquids[i])].push_back(preview.liquid.positions[i]);
     }
     std::vector<double> shares;
-    for (const auto& part : points)
-        shares.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_share());
+    for (const auto& part : points) shares.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_share());
     return shares;
 }
 

@@ -29,12 +29,13 @@ struct Job {
     video::View view;
     video::ValueRange range;
     std::vector<video::Rgb8> colours; // of the liquids, where no field colours them
-    std::string stem; // of the files' names
+    std::string stem;                 // of the files' names
 };
 
 SolidKind kind_of(const scene::Scene& scene, int number) {
     if (number < domain_sides) return SolidKind::wall;
-    return scene.bodies[static_cast<std::size_t>(number - domain_sides)].shape.inverted ? SolidKind::hollow : SolidKind::body;
+    return scene.bodies[static_cast<std::size_t>(number - domain_sides)].shape.inverted ? SolidKind::hollow
+                                                                                        : SolidKind::body;
 }
 
 DrawnSolids read_solids(const RunView& run, std::size_t frame_index) {
@@ -90,12 +91,17 @@ std::vector<video::Rgb8> own_colours(const RenderRequest& request, const scene::
     }
     for (const auto& assignment : request.colours) {
         const std::string where = "--colour " + assignment;
-        if (request.field != no_field) throw InputError({where, "has no effect", "the field colours the liquid", "add --field none, or leave it out"});
+        if (request.field != no_field)
+            throw InputError(
+                {where, "has no effect", "the field colours the liquid", "add --field none, or leave it out"});
         const auto equals = assignment.find('=');
         const auto colour = equals == std::string::npos ? std::nullopt : read_colour(assignment.substr(equals + 1));
-        if (!colour) throw InputError({where, "is no colour of a liquid", "it takes a name, and red, green and blue as hexadecimal digits", "write for instance honey=#d68018"});
+        if (!colour)
+            throw InputError({where, "is no colour of a liquid",
+                "it takes a name, and red, green and blue as hexadecimal digits", "write for instance honey=#d68018"});
         const auto found = std::ranges::find(names, assignment.substr(0, equals));
-        if (found == names.end()) throw InputError({where, "the run has no such liquid", "it has " + join(names, ", "), ""});
+        if (found == names.end())
+            throw InputError({where, "the run has no such liquid", "it has " + join(names, ", "), ""});
         out[std::size_t(found - names.begin())] = *colour;
     }
     return out;
@@ -108,14 +114,16 @@ public:
     Painter(const Comm& comm, const RenderRequest& request, const Job& job) : request_(request), job_(job) {
         if (request.cut) {
             if (job.run.input.scene.domain.dimensions != 3)
-                throw InputError({"--cut", "the scene is in two dimensions", "it shows all that is in it", "leave it out"});
+                throw InputError(
+                    {"--cut", "the scene is in two dimensions", "it shows all that is in it", "leave it out"});
             (void)video::facing(*request.cut, video::Camera(job.view)); // throws for fields that cannot be drawn
             if (request.style == Style::spheres) solids_.emplace(comm, job.run);
         }
         if (request.style == Style::surface) {
             const auto& domain = job.run.input.scene.domain;
-            liquid_.emplace(comm, job.run, video::LiquidScene{job.view, domain_box(domain), domain.spacing, job.range, request.cut},
-                            request.field);
+            liquid_.emplace(comm, job.run,
+                video::LiquidScene{job.view, domain_box(domain), domain.spacing, job.range, request.cut},
+                request.field);
         }
     }
 
@@ -129,7 +137,8 @@ public:
         }
         video::Image image;
         comm.guard([&] {
-            if (mine < job_.frames.size()) image = liquid_ ? draw_surface(job_.frames[mine], *liquid) : draw_spheres(job_.frames[mine]);
+            if (mine < job_.frames.size())
+                image = liquid_ ? draw_surface(job_.frames[mine], *liquid) : draw_spheres(job_.frames[mine]);
         });
         return image;
     }
@@ -147,7 +156,8 @@ private:
     std::function<double(const Vec3&)> distance(const surface::Solids& solids) const {
         if (!request_.cut) return {};
         const auto& domain = job_.run.input.scene.domain;
-        return distance_of_seen(job_.run.input, solids, std::hypot(domain.max[0] - domain.min[0], domain.max[1] - domain.min[1], domain.max[2] - domain.min[2]));
+        return distance_of_seen(job_.run.input, solids,
+            std::hypot(domain.max[0] - domain.min[0], domain.max[1] - domain.min[1], domain.max[2] - domain.min[2]));
     }
 
     video::Image draw_spheres(std::size_t frame_index) const {
@@ -174,8 +184,8 @@ private:
         const auto& scene = job_.run.input.scene;
         auto picture = scenery();
         picture.caption = video::caption_of(scene.title, liquid.time, static_cast<std::size_t>(liquid.total));
-        picture.liquid = video::LiquidLayer{&liquid.view,     request_.field != no_field, liquid.title,      request_.map,
-                                            job_.range, liquid.has_lower,           liquid.has_higher, scene.domain.spacing, job_.colours};
+        picture.liquid = video::LiquidLayer{&liquid.view, request_.field != no_field, liquid.title, request_.map,
+            job_.range, liquid.has_lower, liquid.has_higher, scene.domain.spacing, job_.colours};
         const auto solids = read_solids(job_.run, frame_index);
         add_solid_layers(solids, scene.domain.spacing, picture.layers);
         picture.solid_distance = distance(liquid.solids);
@@ -211,16 +221,14 @@ double frames_per_second(const RenderRequest& request, const Job& job) {
     return std::clamp(std::round(static_cast<double>(job.frames.size() - 1) / span), 10.0, 60.0);
 }
 
-std::filesystem::path picture_path(const std::filesystem::path& out, const Job& job,
-                                   std::size_t frame_index) {
+std::filesystem::path picture_path(const std::filesystem::path& out, const Job& job, std::size_t frame_index) {
     const auto frame = job.run.frame(frame_index).stem().string(); // NAME_000042
     return out / (job.stem + frame.substr(frame.rfind('_')) + ".png");
 }
 
 class MovieMaker {
 public:
-    MovieMaker(const Comm& comm, const RenderRequest& request, const Job& job,
-               const std::filesystem::path& path)
+    MovieMaker(const Comm& comm, const RenderRequest& request, const Job& job, const std::filesystem::path& path)
         : comm_(comm) {
         comm.guard_root([&] {
             video::MovieOptions options;
@@ -268,7 +276,7 @@ video::ValueRange read_value_range(const std::string& text) {
         if (low && high && std::isfinite(*low) && std::isfinite(*high) && *low < *high) return {*low, *high};
     }
     throw InputError({"--range " + text, "is no range of values", "it takes two numbers, the lower one first",
-                      "write for instance 0:2.5"});
+        "write for instance 0:2.5"});
 }
 
 video::CutPlane read_cut(const std::string& text) {
@@ -285,8 +293,9 @@ video::CutPlane read_cut(const std::string& text) {
     } else if (const auto parts = split_at(text, ';'); parts.size() == 2) {
         return {read_vector(parts[0], unit::length, option), read_vector(parts[1], unit::none, option)};
     }
-    throw InputError({option + " \"" + text + "\"", "is no plane", "it takes an axis and a place on it, or a point and a normal",
-                      "write for instance \"x=5 cm\", or \"10 0 5 cm; 1 0 1\""});
+    throw InputError(
+        {option + " \"" + text + "\"", "is no plane", "it takes an axis and a place on it, or a point and a normal",
+            "write for instance \"x=5 cm\", or \"10 0 5 cm; 1 0 1\""});
 }
 
 ExitCode render_run(const Comm& comm, const RenderRequest& request) {
@@ -297,8 +306,7 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     Log log(comm.is_root() ? LogOutput::enabled : LogOutput::disabled);
 
     std::optional<MovieMaker> movie;
-    const bool wanted =
-        request.movie == Movie::write && (job.frames.size() > 1 || !request.movie_file.empty());
+    const bool wanted = request.movie == Movie::write && (job.frames.size() > 1 || !request.movie_file.empty());
     if (wanted) {
         const auto path = request.movie_file.empty() ? out / (job.stem + ".mp4") : request.movie_file;
         movie.emplace(comm, request, job, path);
@@ -318,8 +326,7 @@ ExitCode render_run(const Comm& comm, const RenderRequest& request) {
     progress.finish();
     log.line(std::to_string(job.frames.size()) + (job.frames.size() == 1 ? " picture: " : " pictures: ") +
              picture_path(out, job, job.frames.front()).string() +
-             (job.frames.size() > 1 ? " ... " + picture_path(out, job, job.frames.back()).filename().string()
-                                    : ""));
+             (job.frames.size() > 1 ? " ... " + picture_path(out, job, job.frames.back()).filename().string() : ""));
     if (movie) movie->finish(log);
     return ExitCode::ok;
 }

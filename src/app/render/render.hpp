@@ -22,12 +22,11 @@ struct RenderRequest {
     std::filesystem::path folder;                     // of a run
     std::string field = "speed";                      // see scalar_names; with Style::surface also no_field
     video::ColourMap map = video::ColourMap::viridis; // diverging for signed fields
-    std::optional<video::ValueRange>
-        range;                          // of the colours, in the field's unit; found from all frames unless given
-    std::string camera;                 // see find_camera
-    Style style = Style::spheres;       // surface: meshes of src/surface, cut at walls and solids
-    std::optional<video::CutPlane> cut; // liquid and solids on the camera's side of the plane are left out
-    std::vector<std::string> colours;   // "LIQUID=#rrggbb" of liquids that are drawn in their own colours
+    std::optional<video::ValueRange> range; // of the colours, in the field's unit; found from all frames unless given
+    std::string camera;                     // see find_camera
+    Style style = Style::spheres;           // surface: meshes of src/surface, cut at walls and solids
+    std::optional<video::CutPlane> cut;     // liquid and solids on the camera's side of the plane are left out
+    std::vector<std::string> colours;       // "LIQUID=#rrggbb" of liquids that are drawn in their own colours
     video::Background background = video::Background::white; // of the picture; the ink of text and edges follows
     std::string frames;                                      // see FrameRange
     double frames_per_second = 0;                            // 0: real time, within 10 and 60

@@ -16,7 +16,7 @@ surface::Domain surface_domain(const Input& input) {
         const auto kind = domain.faces[k].kind;
         out.sides[k] = kind == scene::BoundaryKind::wall       ? surface::Side::wall
                        : kind == scene::BoundaryKind::periodic ? surface::Side::periodic
-                                                           : surface::Side::open;
+                                                               : surface::Side::open;
     }
     return out;
 }
@@ -41,7 +41,8 @@ surface::Domain domain_of(const Input& input, const SurfaceChoice& choice) {
 } // namespace
 
 SceneSurface::SceneSurface(const Comm& comm, const RunView& run, const SurfaceChoice& choice)
-    : comm_(comm), run_(run), scalars_(choice.scalars), mesher_(comm, domain_of(run.input, choice), with_scalars(choice)), moving_(comm, run),
+    : comm_(comm), run_(run), scalars_(choice.scalars),
+      mesher_(comm, domain_of(run.input, choice), with_scalars(choice)), moving_(comm, run),
       images_(choice.images && !run.input.scene.domain.mirrors().empty()) {}
 
 const surface::Mesh& SceneSurface::build(std::size_t frame) {
@@ -52,7 +53,8 @@ const surface::Mesh& SceneSurface::build(std::size_t frame) {
     particles.position = rows.positions;
     const auto reals = [&](const char* name) -> std::span<const double> {
         const auto* column = rows.find(name);
-        return column ? std::span<const double>(std::get<std::vector<double>>(column->values)) : std::span<const double>();
+        return column ? std::span<const double>(std::get<std::vector<double>>(column->values))
+                      : std::span<const double>();
     };
     const auto integers = [&](const char* name) -> std::span<const std::int64_t> {
         const auto* column = rows.find(name);

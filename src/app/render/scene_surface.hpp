@@ -30,10 +30,10 @@ public:
     // InputError.
     const surface::Mesh& build(std::size_t frame);
     const surface::Summary& summary() const { return mesher_.summary(); }
-    double time() const { return rows_.time; }                           // [s] of that frame
-    const io::Frame& rows() const { return rows_; }                      // of this rank
-    const std::vector<ScalarField>& fields() const { return fields_; }   // of those rows, one a scalar
-    const surface::Solids& solids() const { return solids_; }            // where they are at that time
+    double time() const { return rows_.time; }                         // [s] of that frame
+    const io::Frame& rows() const { return rows_; }                    // of this rank
+    const std::vector<ScalarField>& fields() const { return fields_; } // of those rows, one a scalar
+    const surface::Solids& solids() const { return solids_; }          // where they are at that time
     bool solids_move() const { return moving_.any_moves(); }
 
 private:

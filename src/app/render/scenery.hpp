@@ -11,6 +11,7 @@ void require_bodies(const Input& input, const std::vector<std::string>& names, c
 
 // The bodies that a camera shows, at the poses of `solids`; hollow ones show what is in them, and those of the names in
 // `through` are clear. Nothing in a 2D scene.
-video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera, const std::vector<std::string>& through = {});
+video::FilmScenery draw_scenery(const Input& input, const surface::Solids& solids, const scene::CameraModel& camera,
+    const std::vector<std::string>& through = {});
 
 } // namespace treacle::app

@@ -60,8 +60,8 @@ video::SeenSolid seen_liquid(const Input& input, const Geometry& geometry, std::
     const bool without_bodies = input.scene.liquids[liquid].subtract_bodies;
     video::SeenSolid out;
     out.name = "liquids." + input.scene.liquids[liquid].name;
-    out.distance = [regions = geometry.liquids[liquid], bodies = without_bodies ? geometry.bodies : scene::Regions{}, min = domain.min,
-                    max = domain.max, domain](const Vec3& point) {
+    out.distance = [regions = geometry.liquids[liquid], bodies = without_bodies ? geometry.bodies : scene::Regions{},
+                       min = domain.min, max = domain.max, domain](const Vec3& point) {
         const auto x = surface::folded(point, domain);
         double d = std::max(scene::distance_to(regions, x), box_distance(min, max, x));
         if (!bodies.empty()) d = std::max(d, -scene::distance_to(bodies, x));
@@ -79,7 +79,8 @@ video::SeenSolid seen_body(const Input& input, const Geometry& geometry, std::si
     const auto& region = geometry.originals[body];
     out.distance = [region](const Vec3& x) { return region.distance(x); };
     if (!region.closed() || region.inverted())
-        throw InputError({input.scene.bodies[body].where, out.name + " has no end", "it has no outline", "give a body of finite extent"});
+        throw InputError({input.scene.bodies[body].where, out.name + " has no end", "it has no outline",
+            "give a body of finite extent"});
     set_ball(out, region.bounds());
     return out;
 }
@@ -87,7 +88,8 @@ video::SeenSolid seen_body(const Input& input, const Geometry& geometry, std::si
 video::SeenSolid find_seen_solid(const Input& input, const Geometry& geometry, const std::string& name) {
     const auto& scene = input.scene;
     if (scene.domain.dimensions != 3)
-        throw InputError({scene.domain.where, "the scene is in two dimensions", "a camera sees a scene in three", "give the scene in three dimensions"});
+        throw InputError({scene.domain.where, "the scene is in two dimensions", "a camera sees a scene in three",
+            "give the scene in three dimensions"});
     std::vector<std::string> names;
     std::vector<video::SeenSolid> liquids;
     for (std::size_t i = 0; i < scene.liquids.size(); ++i) {
@@ -101,9 +103,11 @@ video::SeenSolid find_seen_solid(const Input& input, const Geometry& geometry, c
         if (name == names.back()) return seen_body(input, geometry, i);
     }
     if (!name.empty() && name != "liquid")
-        throw InputError({"--contour-of " + name, "the scene has no such liquid or body", "there are " + join(names, ", "), ""});
+        throw InputError(
+            {"--contour-of " + name, "the scene has no such liquid or body", "there are " + join(names, ", "), ""});
     if (liquids.empty())
-        throw InputError({"--contour-of", "no liquid of the scene is there at the start", "inlets pour later", "name a body"});
+        throw InputError(
+            {"--contour-of", "no liquid of the scene is there at the start", "inlets pour later", "name a body"});
     if (liquids.size() == 1) return liquids.front();
     video::SeenSolid all = liquids.front();
     all.name = "the liquids";

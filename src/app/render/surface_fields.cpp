@@ -7,7 +7,8 @@
 namespace treacle::app {
 
 namespace {
-[[noreturn]] void refuse(const std::string& name, const std::string& problem, const std::string& reason, const std::string& cure) {
+[[noreturn]] void refuse(
+    const std::string& name, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({"--fields " + name, problem, reason, cure});
 }
 } // namespace
@@ -26,7 +27,8 @@ SurfaceFields::SurfaceFields(const std::string& list, const io::Frame& frame, io
             normals_ = true;
             continue;
         }
-        if (format == io::SurfaceFormat::obj) refuse(name, "has no place in obj", "it holds positions and normals", "write ply or vtp with --format");
+        if (format == io::SurfaceFormat::obj)
+            refuse(name, "has no place in obj", "it holds positions and normals", "write ply or vtp with --format");
         want(name, frame);
     }
 }
@@ -36,7 +38,8 @@ void SurfaceFields::want(const std::string& name, const io::Frame& frame) {
     if (column == nullptr) {
         const auto field = scalar_field(frame, name); // throws for what there is not
         const auto bracket = field.title.find(" [");
-        const auto unit = bracket == std::string::npos ? "" : field.title.substr(bracket + 2, field.title.size() - bracket - 3);
+        const auto unit =
+            bracket == std::string::npos ? "" : field.title.substr(bracket + 2, field.title.size() - bracket - 3);
         wanted_.push_back({name, unit, 1, scalars_.size()});
         scalars_.push_back(name);
     } else if (name == "liquid") {
@@ -45,12 +48,15 @@ void SurfaceFields::want(const std::string& name, const io::Frame& frame) {
         refuse(name, "is a whole number", "vertices take means of the particles around them", "leave it out");
     } else {
         if (column->components != 1 && column->components != 3)
-            refuse(name, "has " + std::to_string(column->components) + " components", "", "name the components that are wanted: " + name + "_0");
+            refuse(name, "has " + std::to_string(column->components) + " components", "",
+                "name the components that are wanted: " + name + "_0");
         wanted_.push_back({name, column->unit == "1" ? "" : column->unit, column->components, scalars_.size()});
         constexpr const char* axes[] = {"_x", "_y", "_z"};
-        for (int k = 0; k < column->components; ++k) scalars_.push_back(column->components == 3 ? name + axes[k] : name);
+        for (int k = 0; k < column->components; ++k)
+            scalars_.push_back(column->components == 3 ? name + axes[k] : name);
     }
-    if (scalars_.size() > surface::most_scalars) refuse(name, "is one too many", "vertices take up to 16 numbers", "leave some out");
+    if (scalars_.size() > surface::most_scalars)
+        refuse(name, "is one too many", "vertices take up to 16 numbers", "leave some out");
 }
 
 io::SurfacePart SurfaceFields::part_of(const surface::Mesh& mesh, double time) {
@@ -64,13 +70,15 @@ io::SurfacePart SurfaceFields::part_of(const surface::Mesh& mesh, double time) {
     vectors_.assign(wanted_.size(), {});
     for (std::size_t w = 0; w < wanted_.size(); ++w) {
         const auto& wanted = wanted_[w];
-        auto& field = out.fields.emplace_back(io::SurfaceField{wanted.name, wanted.unit, wanted.components, {}, {}, wanted.whole});
+        auto& field = out.fields.emplace_back(
+            io::SurfaceField{wanted.name, wanted.unit, wanted.components, {}, {}, wanted.whole});
         if (wanted.whole) {
             field.integers = std::span(mesh.liquid).first(owned);
             continue;
         }
         for (std::size_t v = 0; v < owned; ++v) {
-            for (int k = 0; k < wanted.components; ++k) vectors_[w].push_back(mesh.scalars[wanted.scalar + static_cast<std::size_t>(k)][v]);
+            for (int k = 0; k < wanted.components; ++k)
+                vectors_[w].push_back(mesh.scalars[wanted.scalar + static_cast<std::size_t>(k)][v]);
         }
         field.reals = vectors_[w];
     }

@@ -30,8 +30,8 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
             sized = true;
             std::visit([&](const auto& view) { set_rows(view, rows.values); }, field.array);
         };
-        const bool real = std::holds_alternative<Array<double>>(field.array) ||
-                          std::holds_alternative<Array3>(field.array);
+        const bool real =
+            std::holds_alternative<Array<double>>(field.array) || std::holds_alternative<Array3>(field.array);
         if (real) {
             place(reader.distributed<double>(name));
         } else {
@@ -42,7 +42,7 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
 } // namespace
 
 void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& state_hash,
-                     const Progress& progress, const Simulation& solver) {
+    const Progress& progress, const Simulation& solver) {
     const auto& comm = solver.comm();
     io::CheckpointWriter writer(comm, io::checkpoint_path(folder.checkpoints(), progress.step));
     writer.attribute("scene", state_hash);
@@ -72,14 +72,14 @@ Checkpoint find_checkpoint(const Comm& comm, const io::RunFolder& folder, const 
         std::string reason = "checkpoints are written when output.checkpoint_interval is set, or on request";
         for (const auto& message : newest.skipped) reason += "; " + message;
         throw InputError({folder.checkpoints().string(), "there is no valid checkpoint to go on from", reason,
-                          "start anew with treacle run"});
+            "start anew with treacle run"});
     }
     out.path = *newest.path;
     const io::CheckpointReader reader(comm, out.path);
     if (reader.attribute<std::string>("scene") != state_hash) {
         throw InputError({out.path.string(), "this checkpoint belongs to another scene",
-                          "effective.yaml of the folder is not the scene that it was written from",
-                          "put back the effective.yaml of the run, or start anew with treacle run"});
+            "effective.yaml of the folder is not the scene that it was written from",
+            "put back the effective.yaml of the run, or start anew with treacle run"});
     }
     auto& progress = out.progress;
     progress.step = reader.attribute<std::int64_t>("step");

@@ -15,7 +15,8 @@ bool begins(const std::string& path, const std::string& block) {
 // Why a key stays as it is while a run goes on; empty when it may change.
 std::string reason_against(const std::string& path) {
     if (path == "output.name") return "the frames of a run go by one name";
-    if (path == "time.end" || path == "max_lost_fraction" || begins(path, "output") || begins(path, "cameras")) return "";
+    if (path == "time.end" || path == "max_lost_fraction" || begins(path, "output") || begins(path, "cameras"))
+        return "";
     if (begins(path, "measurements")) return "they are the columns of measurements.csv";
     if (begins(path, "time")) return "the steps of a run follow one rule";
     return "the state of the checkpoint follows from it";
@@ -42,14 +43,16 @@ Input continued_input(const std::string& text, const std::string& name, const st
     std::vector<Diagnostic> refused;
     const auto refuse = [&](const Change& change, const std::string& reason) {
         refused.push_back({change.origin, "cannot change when a run goes on", reason,
-                           "change time.end, output, cameras or max_lost_fraction, or start anew with treacle run"});
+            "change time.end, output, cameras or max_lost_fraction, or start anew with treacle run"});
     };
     for (const auto& change : changes) {
-        const auto reason = reason_against(present_path(change.assignment.substr(0, change.assignment.find('=')), scene::renamed_keys()));
+        const auto reason = reason_against(
+            present_path(change.assignment.substr(0, change.assignment.find('=')), scene::renamed_keys()));
         if (!reason.empty()) refuse(change, reason);
     }
     // A whole block may have been given.
-    if (refused.empty() && state_hash(before) != state_hash(after)) refuse(changes.back(), reason_against("output.name"));
+    if (refused.empty() && state_hash(before) != state_hash(after))
+        refuse(changes.back(), reason_against("output.name"));
     if (!refused.empty()) throw InputError(refused);
     after.notes = document.notes();
     return after;

@@ -24,7 +24,8 @@ grid::GridSetup make_setup(const Input& input, const Geometry& geometry) {
     for (const auto& liquid : scene.liquids) {
         out.surface_tension.push_back(liquid.surface_tension);
         out.viscosity = std::max(out.viscosity, largest_viscosity(liquid));
-        out.viscosity_varies = out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
+        out.viscosity_varies =
+            out.viscosity_varies || liquid.varies() || liquid.viscosity != scene.liquids.front().viscosity;
     }
     out.rheology = viscosity_models(input);
     out.rigid = make_bodies(input, geometry);
@@ -67,7 +68,8 @@ std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
         };
         for (std::size_t l = 0; l < input_.scene.liquids.size(); ++l) {
             const auto& liquid = input_.scene.liquids[l];
-            seeding.velocities.push_back({liquid.initial_velocity({0, 0, 0}, geometry.pivots[l]), liquid.initial_gradient()});
+            seeding.velocities.push_back(
+                {liquid.initial_velocity({0, 0, 0}, geometry.pivots[l]), liquid.initial_gradient()});
         }
         grid::seed(seeding, solver_.grid(), solver_.decomposition(), solver_.particles());
     });
@@ -88,15 +90,17 @@ void GridSimulation::restore(const RestartState& state) {
     }
 }
 
-RestartState GridSimulation::state() const { return {solver_.decomposition_state(), solver_.bodies().state(), solver_.history()}; }
+RestartState GridSimulation::state() const {
+    return {solver_.decomposition_state(), solver_.bodies().state(), solver_.history()};
+}
 
 // A solve that ends above its residual lets the step go on (method.grid.stokes.max_iterations). The log has one line for each
 // time that it doubles.
 void GridSimulation::look_at_solve(const grid::StokesReport& stokes, StepDiagnostics& out) {
     if (stokes.unknowns == 0 || stokes.solve.converged() || stokes.solve.relative_residual < 2 * warned_) return;
     warned_ = stokes.solve.relative_residual;
-    out.warnings.push_back("pressure and viscosity together have been solved to a residual of " + short_number(warned_) + " alone in " +
-                           std::to_string(stokes.solve.iterations) +
+    out.warnings.push_back("pressure and viscosity together have been solved to a residual of " +
+                           short_number(warned_) + " alone in " + std::to_string(stokes.solve.iterations) +
                            " iterations; take a smaller time step, or method.grid.stokes.solve: split");
 }
 
@@ -108,10 +112,10 @@ StepDiagnostics GridSimulation::advance(double dt) {
     const auto& pressure = report.pressure;
     const auto& viscosity = report.viscosity;
     out.values = {double(pressure.solve.iterations), pressure.solve.relative_residual, double(pressure.unknowns),
-                  double(pressure.closed), double(viscosity.solve.iterations), viscosity.solve.relative_residual,
-                  double(viscosity.unknowns), double(report.stokes.solve.iterations), report.stokes.solve.relative_residual,
-                  double(report.correction.iterations), report.correction.density_before,
-                  report.correction.density_after, report.correction.energy, double(report.projected_out), report.imbalance};
+        double(pressure.closed), double(viscosity.solve.iterations), viscosity.solve.relative_residual,
+        double(viscosity.unknowns), double(report.stokes.solve.iterations), report.stokes.solve.relative_residual,
+        double(report.correction.iterations), report.correction.density_before, report.correction.density_after,
+        report.correction.energy, double(report.projected_out), report.imbalance};
     out.loads = of_all(report.resting_loads, report.loads);
     out.viscous_loads = of_all(report.resting_viscous_loads, report.viscous_loads);
     look_at_solve(report.stokes, out);
@@ -124,11 +128,12 @@ LiquidView GridSimulation::view() const {
     const auto& particles = solver_.particles();
     const double spacing = particle_spacing(input_);
     return {particles.position(), particles.end_velocity(), particles.liquid(), particles.store.owned(), spacing,
-            2.5 * spacing,        volume_of_particle(solver_.grid()), {}};
+        2.5 * spacing, volume_of_particle(solver_.grid()), {}};
 }
 
 // Those of what rests, and of the bodies that move. Those of the scene stand before the plugs of inlets.
-std::vector<double> GridSimulation::of_all(const std::vector<double>& resting, const std::vector<double>& moving) const {
+std::vector<double> GridSimulation::of_all(
+    const std::vector<double>& resting, const std::vector<double>& moving) const {
     std::vector<double> out(6 * load_names().size(), 0.0);
     for (std::size_t k = 0; k < out.size(); ++k) {
         const std::size_t solid = k / 6;
@@ -144,8 +149,8 @@ std::vector<std::string> GridSimulation::load_names() const { return app::load_n
 
 std::vector<std::string> GridSimulation::columns() const {
     return {"pressure iterations", "pressure residual", "pressure unknowns", "closed parts", "viscosity iterations",
-            "viscosity residual", "viscosity unknowns", "stokes iterations", "stokes residual", "correction iterations", "density error before",
-            "density error after", "correction energy", "pushed out of solids", "imbalance"};
+        "viscosity residual", "viscosity unknowns", "stokes iterations", "stokes residual", "correction iterations",
+        "density error before", "density error after", "correction energy", "pushed out of solids", "imbalance"};
 }
 
 std::vector<std::string> GridSimulation::phases() const {

@@ -13,7 +13,7 @@ constexpr double nowhere = -1e300;
 // Particles that are measured.
 struct Chosen {
     Array<int> liquid;
-    int number; // -1: all
+    int number;         // -1: all
     Array<int> waiting; // at inlets, without rows where none does
 
     KOKKOS_INLINE_FUNCTION bool operator()(int i) const {
@@ -32,9 +32,12 @@ double measure_front(int axis, const Chosen& chosen, const Simulation& solver) {
     const auto view = solver.view();
     const auto x = view.position;
     double front = nowhere;
-    Kokkos::parallel_reduce("treacle::front", view.owned, KOKKOS_LAMBDA(int i, double& most) {
-        if (chosen(i)) most = math::max(most, x(i, axis));
-    }, Kokkos::Max<double>(front));
+    Kokkos::parallel_reduce(
+        "treacle::front", view.owned,
+        KOKKOS_LAMBDA(int i, double& most) {
+            if (chosen(i)) most = math::max(most, x(i, axis));
+        },
+        Kokkos::Max<double>(front));
     const double over_ranks = solver.comm().max(front);
     return over_ranks > nowhere ? over_ranks + view.spacing / 2 : 0.0;
 }
@@ -85,7 +88,8 @@ HeightGauge make_height_gauge(const Vec3& position, const scene::Domain& domain,
     for (int k = 0; k < domain.dimensions; ++k) {
         const auto c = static_cast<std::size_t>(k);
         if (k == axis) continue;
-        out.area *= hat_below(domain.max[c] - position[c], out.radius) - hat_below(domain.min[c] - position[c], out.radius);
+        out.area *=
+            hat_below(domain.max[c] - position[c], out.radius) - hat_below(domain.min[c] - position[c], out.radius);
     }
     return out;
 }
@@ -97,17 +101,18 @@ std::vector<double> wet_levels(const HeightGauge& gauge, const Chosen& chosen, c
     const auto x = view.position;
     const double d = view.spacing, unit = 1e-9 * gauge.area * d / view.volume;
     const Array<std::int64_t> counts("treacle::wet_levels", static_cast<std::size_t>(gauge.levels));
-    Kokkos::parallel_for("treacle::height", view.owned, KOKKOS_LAMBDA(int i) {
-        const double weight = chosen(i) ? gauge.weight(x, i) : 0;
-        if (weight == 0) return;
-        const double y = (gauge.way * x(i, gauge.up) - gauge.floor) / gauge.step;
-        const int nearest = static_cast<int>(math::floor(y));
-        for (int k = nearest - 2; k <= nearest + 3; ++k) {
-            const double share = weight * (1 - math::fabs(y - k) * gauge.step / d) / unit;
-            if (share <= 0 || k < 0 || k >= gauge.levels) continue;
-            Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(share));
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::height", view.owned, KOKKOS_LAMBDA(int i) {
+            const double weight = chosen(i) ? gauge.weight(x, i) : 0;
+            if (weight == 0) return;
+            const double y = (gauge.way * x(i, gauge.up) - gauge.floor) / gauge.step;
+            const int nearest = static_cast<int>(math::floor(y));
+            for (int k = nearest - 2; k <= nearest + 3; ++k) {
+                const double share = weight * (1 - math::fabs(y - k) * gauge.step / d) / unit;
+                if (share <= 0 || k < 0 || k >= gauge.levels) continue;
+                Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(share));
+            }
+        });
     const auto host = on_host(counts);
     std::vector<std::int64_t> sums(host.data(), host.data() + host.extent(0));
     solver.comm().sum(std::span(sums));
@@ -118,8 +123,8 @@ std::vector<double> wet_levels(const HeightGauge& gauge, const Chosen& chosen, c
 
 // End of the liquid over a point: the highest level, above the lower side of the domain, at which half of the
 // surroundings, a support radius wide, is liquid [m].
-double measure_height(const Vec3& position, const scene::Domain& domain, const Chosen& chosen,
-                      const Simulation& solver) {
+double measure_height(
+    const Vec3& position, const scene::Domain& domain, const Chosen& chosen, const Simulation& solver) {
     const auto gauge = make_height_gauge(position, domain, solver.view());
     const auto wet = wet_levels(gauge, chosen, solver);
     for (std::size_t k = wet.size() - 1; k > 0; --k) {
@@ -136,9 +141,12 @@ double measure_flow(const scene::Measurement& measurement, const Chosen& chosen,
     const double half = view.reach / 2;
     const auto x = view.position, u = view.velocity;
     double sum = 0;
-    Kokkos::parallel_reduce("treacle::flow", view.owned, KOKKOS_LAMBDA(int i, double& flow) {
-        if (math::fabs(x(i, axis) - at) < half && chosen(i)) flow += u(i, axis);
-    }, sum);
+    Kokkos::parallel_reduce(
+        "treacle::flow", view.owned,
+        KOKKOS_LAMBDA(int i, double& flow) {
+            if (math::fabs(x(i, axis) - at) < half && chosen(i)) flow += u(i, axis);
+        },
+        sum);
     return solver.comm().sum(sum) * view.volume / (2 * half);
 }
 } // namespace
@@ -147,8 +155,7 @@ double measure(const scene::Measurement& measurement, const scene::Scene& scene,
     const auto chosen = choose(measurement, scene, solver);
     switch (measurement.kind) {
     case scene::MeasurementKind::front: return measure_front(measurement.axis, chosen, solver);
-    case scene::MeasurementKind::height: 
-        return measure_height(measurement.position, scene.domain, chosen, solver);
+    case scene::MeasurementKind::height: return measure_height(measurement.position, scene.domain, chosen, solver);
     case scene::MeasurementKind::flow: return measure_flow(measurement, chosen, solver);
     }
     return 0;

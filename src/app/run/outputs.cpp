@@ -20,7 +20,8 @@ std::vector<std::string> step_columns(const Input& input, const Simulation& simu
     for (const char* axis : {"x", "y", "z"}) {
         columns.push_back(std::string("angular momentum ") + axis + " [" + mass + " m2/s]");
     }
-    for (const auto* name : {"kinetic energy", "potential energy"}) columns.push_back(std::string(name) + " [" + energy + "]");
+    for (const auto* name : {"kinetic energy", "potential energy"})
+        columns.push_back(std::string(name) + " [" + energy + "]");
     columns.insert(columns.end(), {"max speed [m/s]", "lost by leak", "lost as non-finite", "lost through open sides"});
     for (const auto& phase : simulation.phases()) columns.push_back(phase + " [s]");
     return columns;
@@ -62,9 +63,8 @@ std::vector<std::string> body_columns(const Input& input, const Simulation& simu
     return columns;
 }
 
-const std::vector<std::string> lost_columns{"step",         "time [s]",     "id",           "cause",
-                                            "x [m]",        "y [m]",        "z [m]",        "velocity x [m/s]",
-                                            "velocity y [m/s]", "velocity z [m/s]"};
+const std::vector<std::string> lost_columns{"step", "time [s]", "id", "cause", "x [m]", "y [m]", "z [m]",
+    "velocity x [m/s]", "velocity y [m/s]", "velocity z [m/s]"};
 
 // When a value is due after one at `time` [s].
 double next_time(double interval, double time) {
@@ -90,9 +90,11 @@ io::ParticleBlock make_block(const std::vector<double>& positions, const std::ve
     io::ParticleBlock block{positions, {}};
     for (const auto& one : fields) {
         const std::string unit = one.field->unit.empty() ? "1" : one.field->unit;
-        std::visit([&](const auto& rows) {
-            block.fields.push_back({one.field->name, unit, components(*one.field), std::span(rows)});
-        }, one.rows);
+        std::visit(
+            [&](const auto& rows) {
+                block.fields.push_back({one.field->name, unit, components(*one.field), std::span(rows)});
+            },
+            one.rows);
     }
     return block;
 }
@@ -102,14 +104,13 @@ io::Precision precision_of(const Input& input) {
 }
 } // namespace
 
-Outputs::Outputs(const io::RunFolder& folder, const Input& input, Simulation& simulation,
-                 const Progress& progress, Opening opening)
+Outputs::Outputs(
+    const io::RunFolder& folder, const Input& input, Simulation& simulation, const Progress& progress, Opening opening)
     : comm_(simulation.comm()), folder_(folder), input_(input), simulation_(simulation),
       frames_(comm_, folder.frames(), input.scene.output.name, precision_of(input)),
       solid_frames_(comm_, folder.frames(), "solid", precision_of(input)),
-      next_measurement_(input.scene.measurements.size(), 0.0),
-      last_measurement_(input.scene.measurements.size(), 0.0), phases_(simulation.phases()),
-      phase_seconds_(phases_.size(), 0.0) {
+      next_measurement_(input.scene.measurements.size(), 0.0), last_measurement_(input.scene.measurements.size(), 0.0),
+      phases_(simulation.phases()), phase_seconds_(phases_.size(), 0.0) {
     const bool fresh = opening == Opening::fresh;
     if (!fresh) {
         frames_.resume(progress.time);
@@ -136,7 +137,8 @@ void Outputs::resume_measurements(double time) {
     const auto& measurements = input_.scene.measurements;
     if (last.size() != measurements.size() + 2) return;
     std::copy(last.begin() + 2, last.end(), last_measurement_.begin());
-    for (std::size_t k = 0; k < measurements.size(); ++k) next_measurement_[k] = next_time(measurements[k].interval, time);
+    for (std::size_t k = 0; k < measurements.size(); ++k)
+        next_measurement_[k] = next_time(measurements[k].interval, time);
 }
 
 void Outputs::write_frame(const Progress& progress) {
@@ -162,7 +164,8 @@ void Outputs::write_step(const Progress& progress, const StepDiagnostics& report
     if (!steps_) return;
     std::vector<double> row{double(progress.step), progress.time, report.dt};
     row.insert(row.end(), report.values.begin(), report.values.end());
-    row.insert(row.end(), {double(totals.particles), double(simulation_.emitted()), double(progress.lost[0]), totals.mass});
+    row.insert(
+        row.end(), {double(totals.particles), double(simulation_.emitted()), double(progress.lost[0]), totals.mass});
     row.insert(row.end(), totals.momentum.begin(), totals.momentum.end());
     row.insert(row.end(), totals.angular_momentum.begin(), totals.angular_momentum.end());
     row.insert(row.end(), {totals.kinetic_energy, totals.potential_energy, totals.max_speed});
@@ -200,7 +203,7 @@ void Outputs::write_bodies(const Progress& progress, const StepDiagnostics& repo
     for (std::size_t b = 0; b < count && b < bodies.size(); ++b) {
         if (!bodies.moves(b)) continue;
         for (const auto& values : {bodies.pose(b).centre, rigid::rotation_vector(bodies.pose(b).turn),
-                                   bodies.end_velocity(b), bodies.end_spin(b)}) {
+                 bodies.end_velocity(b), bodies.end_spin(b)}) {
             row.insert(row.end(), values.begin(), values.end());
         }
     }
@@ -215,8 +218,8 @@ void Outputs::write_bodies(const Progress& progress, const StepDiagnostics& repo
 void Outputs::write_lost(const Progress& progress, const StepDiagnostics& report) {
     std::vector<double> rows;
     for (const auto& particle : report.lost) {
-        rows.insert(rows.end(), {double(progress.step), progress.time, double(particle.id),
-                                 double(static_cast<int>(particle.cause))});
+        rows.insert(rows.end(),
+            {double(progress.step), progress.time, double(particle.id), double(static_cast<int>(particle.cause))});
         rows.insert(rows.end(), particle.position, particle.position + 3);
         rows.insert(rows.end(), particle.velocity, particle.velocity + 3);
     }

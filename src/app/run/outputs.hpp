@@ -17,7 +17,7 @@ public:
     // Resumed: rows and frames later than the progress are dropped.
     // The input and the simulation must outlive this object.
     Outputs(const io::RunFolder& folder, const Input& input, Simulation& simulation, const Progress& progress,
-            Opening opening);
+        Opening opening);
 
     // The liquid's particles, with the fields of the scene's `output.fields`, id and liquid; each rank its own rows.
     void write_frame(const Progress& progress);

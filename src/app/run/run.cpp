@@ -29,22 +29,20 @@ std::string read_text(const Comm& comm, const std::filesystem::path& path) {
 }
 
 void write_description(const Comm& comm, const io::RunFolder& folder, const RunRequest& request, const Input& input,
-                       const std::string& scene) {
+    const std::string& scene) {
     comm.guard_root([&] { write_file_atomically(folder.effective_scene(), scene); });
     io::Manifest manifest;
     manifest.command = request.command;
     manifest.input = request.source.scene.string();
     manifest.input_text = scene;
-    manifest.libraries = {{"PETSc", solve::petsc_version()},
-                          {"HYPRE", solve::hypre_version()},
-                          {"Kokkos", std::to_string(kokkos_version())},
-                          {"execution space", execution_space_name()}};
+    manifest.libraries = {{"PETSc", solve::petsc_version()}, {"HYPRE", solve::hypre_version()},
+        {"Kokkos", std::to_string(kokkos_version())}, {"execution space", execution_space_name()}};
     if (!input.transfers.empty()) manifest.extra = io::Value::object({{"materials", record(input.transfers)}});
     io::write_manifest(comm, folder.manifest(), manifest);
 }
 
-void describe_resumption(const Comm& comm, const io::RunFolder& folder, const ResumeRequest& request, const std::string& scene,
-                         std::int64_t step) {
+void describe_resumption(const Comm& comm, const io::RunFolder& folder, const ResumeRequest& request,
+    const std::string& scene, std::int64_t step) {
     if (!request.changes.empty()) comm.guard_root([&] { write_file_atomically(folder.effective_scene(), scene); });
     io::Resumption resumption{request.command, step, scene, {}};
     for (const auto& change : request.changes) resumption.changes.push_back(change.assignment);
@@ -57,13 +55,14 @@ void check_end(const ResumeRequest& request, const Input& input, double time) {
     for (const auto& change : request.changes) {
         if (!change.assignment.starts_with("time.end=") || end > time) continue;
         throw InputError({change.origin,
-                          "time.end = " + format_number(end) + " s is not behind the checkpoint, at " + format_number(time) + " s",
-                          "a run does not go back", "give a later time"});
+            "time.end = " + format_number(end) + " s is not behind the checkpoint, at " + format_number(time) + " s",
+            "a run does not go back", "give a later time"});
     }
 }
 
 std::filesystem::path default_folder(const std::filesystem::path& scene) {
-    const auto stem = scene.stem() == "scene" ? std::filesystem::absolute(scene).parent_path().filename() : scene.stem();
+    const auto stem =
+        scene.stem() == "scene" ? std::filesystem::absolute(scene).parent_path().filename() : scene.stem();
     return std::filesystem::path("out") / stem;
 }
 } // namespace
@@ -79,9 +78,8 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
         validate_geometry(input, geometry, comm);
         check_time_step(input);
     });
-    const auto folder =
-        io::prepare_run_folder(comm, request.out.empty() ? default_folder(request.source.scene) : request.out,
-                               request.existing);
+    const auto folder = io::prepare_run_folder(
+        comm, request.out.empty() ? default_folder(request.source.scene) : request.out, request.existing);
     const auto scene = effective(input);
     write_description(comm, folder, request, input, scene);
 
@@ -89,7 +87,8 @@ ExitCode run_scene(const Comm& comm, const RunRequest& request) {
     progress.reference_speed = reference_speed(input, geometry);
     auto solver = make_simulation(comm, input, progress.reference_speed, geometry);
     const auto notes = solver->fill(geometry);
-    TimeLoop loop({comm, folder, input, state_hash(input), request.wall_limit, request.company}, std::move(solver), progress);
+    TimeLoop loop(
+        {comm, folder, input, state_hash(input), request.wall_limit, request.company}, std::move(solver), progress);
     for (const auto& one : input.transfers) loop.log().line(one.liquid + ": " + join(describe(one), "; "));
     for (const auto& note : notes) loop.log().warn(note);
     return loop.run(Opening::fresh);
@@ -111,7 +110,8 @@ ExitCode resume_run(const Comm& comm, const ResumeRequest& request) {
     check_end(request, input, checkpoint.progress.time);
     auto solver = make_simulation(comm, input, checkpoint.progress.reference_speed, geometry);
     load_checkpoint(checkpoint, *solver);
-    describe_resumption(comm, folder, request, request.changes.empty() ? before : effective(input), checkpoint.progress.step);
+    describe_resumption(
+        comm, folder, request, request.changes.empty() ? before : effective(input), checkpoint.progress.step);
     io::remove_checkpoints_after(comm, folder.checkpoints(), checkpoint.progress.step); // broken ones
     TimeLoop loop({comm, folder, input, hash, request.wall_limit, {}}, std::move(solver), checkpoint.progress);
     for (const auto& message : checkpoint.skipped) loop.log().warn(message);

@@ -14,12 +14,12 @@ namespace treacle::app {
 struct StepDiagnostics {
     double dt = 0; // [s]
     int pressure_iterations = 0;
-    std::vector<double> values; // as Simulation::columns() names them
+    std::vector<double> values;        // as Simulation::columns() names them
     std::vector<double> loads;         // [load_names()][6] by pressure, summed over ranks [N], [N m]
     std::vector<double> viscous_loads; // by viscosity
     std::vector<LostParticle> lost;    // of this rank, but for what flowed out
     std::array<std::int64_t, loss_causes> lost_by_cause{}; // over all ranks
-    std::vector<std::string> warnings; // for the log
+    std::vector<std::string> warnings;                     // for the log
 };
 
 // The liquid's particles of this rank for measurements.
@@ -83,7 +83,7 @@ public:
 
 // For the method of the scene, without particles. Collective. The reference speed is that of the artificial viscosity of
 // method sph. Input and geometry must outlive what is returned; the geometry is needed where bodies move, or with method grid.
-std::unique_ptr<Simulation> make_simulation(const Comm& comm, const Input& input, double reference_speed,
-                                            const Geometry& geometry);
+std::unique_ptr<Simulation> make_simulation(
+    const Comm& comm, const Input& input, double reference_speed, const Geometry& geometry);
 
 } // namespace treacle::app

@@ -7,7 +7,9 @@ namespace treacle::app {
 SphSimulation::SphSimulation(const Comm& comm, const Input& input, double reference_speed, const Geometry& geometry)
     : input_(input), solver_(make_solver(comm, input, reference_speed, geometry)) {}
 
-std::vector<std::string> SphSimulation::fill(const Geometry& geometry) { return fill_solver(input_, geometry, *solver_); }
+std::vector<std::string> SphSimulation::fill(const Geometry& geometry) {
+    return fill_solver(input_, geometry, *solver_);
+}
 
 void SphSimulation::restore(const RestartState& state) {
     solver_->restore_bodies(state.bodies);
@@ -29,9 +31,9 @@ StepDiagnostics SphSimulation::advance(double dt) {
     out.dt = report.dt;
     out.pressure_iterations = report.pressure.iterations;
     out.values = {double(report.pressure.iterations), report.pressure.relative_residual, report.pressure.error_measure,
-                  double(report.viscosity.iterations), report.viscosity.relative_residual, report.mean_compression,
-                  report.max_compression, double(report.roles.poisson), double(report.roles.dirichlet),
-                  double(report.roles.separated), double(report.pinned), double(report.stopped), report.imbalance};
+        double(report.viscosity.iterations), report.viscosity.relative_residual, report.mean_compression,
+        report.max_compression, double(report.roles.poisson), double(report.roles.dirichlet),
+        double(report.roles.separated), double(report.pinned), double(report.stopped), report.imbalance};
     out.loads = std::move(report.loads);
     out.viscous_loads = std::move(report.viscous_loads);
     out.lost = std::move(report.lost);
@@ -43,25 +45,25 @@ std::vector<std::string> SphSimulation::load_names() const { return app::load_na
 
 std::vector<std::string> SphSimulation::columns() const {
     return {"pressure iterations", "pressure residual", "density error", "viscosity iterations", "viscosity residual",
-            "mean compression", "max compression", "poisson", "dirichlet", "separated", "anchored", "stopped at solids",
-            "imbalance"};
+        "mean compression", "max compression", "poisson", "dirichlet", "separated", "anchored", "stopped at solids",
+        "imbalance"};
 }
 
 std::vector<std::string> SphSimulation::phases() const {
-    return {"sort", "neighbours", "density", "forces", "viscosity", "predict", "assemble", "solve", "pressure force", "move"};
+    return {"sort", "neighbours", "density", "forces", "viscosity", "predict", "assemble", "solve", "pressure force",
+        "move"};
 }
 
 LiquidTotals SphSimulation::totals() const {
-    return sph::measure_totals(solver_->comm(), solver_->liquid(), solver_->setup().constants,
-                               solver_->setup().forces.gravity);
+    return sph::measure_totals(
+        solver_->comm(), solver_->liquid(), solver_->setup().constants, solver_->setup().forces.gravity);
 }
 
 LiquidView SphSimulation::view() const {
     const auto& liquid = solver_->liquid();
     const auto& constants = solver_->setup().constants;
-    return {liquid.position(), liquid.velocity(),  liquid.liquid(),      liquid.store.owned(),
-            constants.spacing, constants.support, constants.rest_volume,
-            liquid.has_inlets() ? liquid.inlet() : Array<int>()};
+    return {liquid.position(), liquid.velocity(), liquid.liquid(), liquid.store.owned(), constants.spacing,
+        constants.support, constants.rest_volume, liquid.has_inlets() ? liquid.inlet() : Array<int>()};
 }
 
 } // namespace treacle::app

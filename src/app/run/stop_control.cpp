@@ -11,8 +11,7 @@ constexpr int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1};
 } // namespace
 
 StopControl::StopControl(const Comm& comm, std::filesystem::path stop_file, double wall_limit)
-    : comm_(comm), stop_file_(std::move(stop_file)), wall_limit_(wall_limit),
-      start_(std::chrono::steady_clock::now()) {
+    : comm_(comm), stop_file_(std::move(stop_file)), wall_limit_(wall_limit), start_(std::chrono::steady_clock::now()) {
     signalled = 0;
     for (const int number : signals) {
         earlier_.emplace_back(number, std::signal(number, note_signal));

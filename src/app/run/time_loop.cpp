@@ -18,21 +18,23 @@ constexpr double same_time = 1e-10;
 
 double with_tolerance(double time) { return time * (1 + same_time) + 1e-300; }
 
-constexpr const char* cause_words[loss_causes] = {"flowed out", "went through a wall", "were no longer finite",
-                                                  "left through an open side"};
+constexpr const char* cause_words[loss_causes] = {
+    "flowed out", "went through a wall", "were no longer finite", "left through an open side"};
 
 std::int64_t lost_against_limit(const Progress& progress) {
     return std::accumulate(progress.lost.begin() + 1, progress.lost.end(), std::int64_t{0}); // all but what flowed out
 }
 
 // A step, or the least step, that the scene states and a limit forbids.
-void check_limit(const scene::Time& time, double limit, const std::string& of, const std::string& why,
-                 const std::string& cure) {
+void check_limit(
+    const scene::Time& time, double limit, const std::string& of, const std::string& why, const std::string& cure) {
     const double step = time.rule == scene::StepRule::fixed ? time.step : 0;
     if (std::max(step, time.min_step) <= limit) return;
     const auto [given, most] = tell_apart(std::max(step, time.min_step), limit);
-    throw InputError({time.where, std::string("time.") + (step > 0 ? "step" : "min_step") + " = " + given +
-                              " s is above the limit of the " + of + ", " + most + " s", why, cure});
+    throw InputError({time.where,
+        std::string("time.") + (step > 0 ? "step" : "min_step") + " = " + given + " s is above the limit of the " + of +
+            ", " + most + " s",
+        why, cure});
 }
 } // namespace
 
@@ -41,12 +43,12 @@ void check_time_step(const Input& input) {
     const auto& time = input.scene.time;
     const double tension = input.scene.liquids.front().surface_tension;
     check_limit(time, capillary_step_limit(input), "surface tension",
-                "waves as short as a few spacings move by " + format_number(tension) + " N/m",
-                "take a step below the limit, or a larger spacing");
+        "waves as short as a few spacings move by " + format_number(tension) + " N/m",
+        "take a step below the limit, or a larger spacing");
     if (viscosity_integration(input) == sph::ViscosityIntegration::implicit) return;
     check_limit(time, viscous_step_limit(input), "explicit viscosity",
-                "a viscosity of " + format_number(limiting_viscosity(input)) + " Pa s is integrated explicitly",
-                "take a step below the limit, or leave out method.viscosity.integration: explicit");
+        "a viscosity of " + format_number(limiting_viscosity(input)) + " Pa s is integrated explicitly",
+        "take a step below the limit, or leave out method.viscosity.integration: explicit");
 }
 
 TimeLoop::TimeLoop(LoopSetup setup, std::unique_ptr<Simulation> solver, const Progress& progress)
@@ -69,14 +71,15 @@ double TimeLoop::choose_step() const {
     if (time.step > 0) dt = std::min(dt, time.step);
     if (!(dt >= time.min_step)) {
         throw SimulationError({"time step", "the stable step has fallen to " + format_number(dt) + " s",
-                               "the liquid has become too fast for time.min_step = " + format_number(time.min_step) + " s",
-                               "look at the last frame for particles that fly off; a smaller time.cfl may help"});
+            "the liquid has become too fast for time.min_step = " + format_number(time.min_step) + " s",
+            "look at the last frame for particles that fly off; a smaller time.cfl may help"});
     }
     double target = time.end;
     target = std::min(target, next_frame_);
     const double way = target - progress_.time;
     // The step dt is infinite where nothing moves and nothing pulls.
-    if (way <= time.min_step) return std::min({dt, time.end, setup_.input.scene.output.next_frame(target) - progress_.time});
+    if (way <= time.min_step)
+        return std::min({dt, time.end, setup_.input.scene.output.next_frame(target) - progress_.time});
     return way / std::max(1.0, std::ceil(way / dt * (1 - same_time)));
 }
 
@@ -89,7 +92,8 @@ void TimeLoop::check_losses(const StepDiagnostics& report, Outputs& outputs) {
     stale_ = gone > 0;
     if (gone == report.lost_by_cause[static_cast<std::size_t>(LossCause::outflow) - 1]) return;
     outputs.write_lost(progress_, report);
-    const double limit = setup_.input.scene.max_lost_fraction * double(progress_.initial_particles + solver_->emitted());
+    const double limit =
+        setup_.input.scene.max_lost_fraction * double(progress_.initial_particles + solver_->emitted());
     if (double(lost_against_limit(progress_)) <= limit) return;
     const auto through_sides = progress_.lost[static_cast<std::size_t>(LossCause::open_side) - 1];
     std::string causes;
@@ -98,12 +102,12 @@ void TimeLoop::check_losses(const StepDiagnostics& report, Outputs& outputs) {
         causes += (causes.empty() ? "" : ", ") + std::to_string(progress_.lost[k]) + " " + cause_words[k];
     }
     throw SimulationError({"step " + std::to_string(progress_.step),
-                           std::to_string(lost_against_limit(progress_)) + " particles are lost: " + causes,
-                           "max_lost_fraction allows " + format_number(limit) + "; the culprits are in " +
-                               setup_.folder.lost_particles().string(),
-                           through_sides > 0 ? "where liquid may leave, write for the side {kind: open, outflow: true}; else take a "
-                                               "smaller time step, or raise max_lost_fraction"
-                                             : "take a smaller time step, or raise max_lost_fraction"});
+        std::to_string(lost_against_limit(progress_)) + " particles are lost: " + causes,
+        "max_lost_fraction allows " + format_number(limit) + "; the culprits are in " +
+            setup_.folder.lost_particles().string(),
+        through_sides > 0 ? "where liquid may leave, write for the side {kind: open, outflow: true}; else take a "
+                            "smaller time step, or raise max_lost_fraction"
+                          : "take a smaller time step, or raise max_lost_fraction"});
 }
 
 // Tables first: after a crash the checkpoint's step and all before it stand in them.
@@ -153,8 +157,7 @@ void TimeLoop::write_due(Outputs& outputs, const StepDiagnostics& report) {
         progress_.checkpoints = static_cast<std::int64_t>(std::floor(now / output.checkpoint_interval));
         due = true;
     }
-    if (output.checkpoint_wall_interval > 0 &&
-        setup_.comm.max(stop_.wall_seconds()) >= next_wall_save_) {
+    if (output.checkpoint_wall_interval > 0 && setup_.comm.max(stop_.wall_seconds()) >= next_wall_save_) {
         next_wall_save_ += output.checkpoint_wall_interval;
         due = true;
     }
@@ -168,10 +171,10 @@ void TimeLoop::report_progress(const StepDiagnostics& report) {
     const double left = rate > 0 ? (end - progress_.time) / rate : 0;
     char text[256];
     std::snprintf(text, sizeof text,
-                  "step %6lld  t %.5g s  dt %.3g s  its %3d  particles %lld  lost %lld  max speed %.3g m/s  %3.0f %%  ",
-                  static_cast<long long>(progress_.step), progress_.time, report.dt, report.pressure_iterations,
-                  static_cast<long long>(totals_.particles), static_cast<long long>(lost_against_limit(progress_)),
-                  totals_.max_speed, 100 * done);
+        "step %6lld  t %.5g s  dt %.3g s  its %3d  particles %lld  lost %lld  max speed %.3g m/s  %3.0f %%  ",
+        static_cast<long long>(progress_.step), progress_.time, report.dt, report.pressure_iterations,
+        static_cast<long long>(totals_.particles), static_cast<long long>(lost_against_limit(progress_)),
+        totals_.max_speed, 100 * done);
     log_.line(text + format_duration(left) + " left");
 }
 
@@ -186,7 +189,7 @@ void TimeLoop::take_step(Outputs& outputs) {
     totals_ = solver_->totals();
     if (!std::isfinite(totals_.kinetic_energy)) {
         throw SimulationError({"step " + std::to_string(progress_.step), "the kinetic energy is not finite",
-                               "velocities have grown without bound", "take a smaller time step"});
+            "velocities have grown without bound", "take a smaller time step"});
     }
     outputs.write_step(progress_, report, totals_);
     outputs.write_bodies(progress_, report);
@@ -197,27 +200,22 @@ void TimeLoop::take_step(Outputs& outputs) {
 
 void TimeLoop::write_summary(const std::string& how_it_ended) {
     const auto& comm = setup_.comm;
-    struct rusage usage{};
+    struct rusage usage {};
     getrusage(RUSAGE_SELF, &usage);
     const double peak = 1024.0 * double(usage.ru_maxrss);
     using io::Value;
-    Value summary = Value::object({{"ended", how_it_ended},
-                                   {"steps", progress_.step},
-                                   {"time [s]", progress_.time},
-                                   {"particles at the start", progress_.initial_particles},
-                                   {"particles that flowed in", solver_->emitted()},
-                                   {"particles that flowed out", progress_.lost[0]},
-                                   {"particles", totals_.particles},
-                                   {"maximum speed [m/s]", totals_.max_speed},
-                                   {"kinetic energy [J]", totals_.kinetic_energy},
-                                   {"potential energy [J]", totals_.potential_energy},
-                                   {"pressure iterations in this sitting", iterations_},
-                                   {"ranks", comm.size()}});
+    Value summary = Value::object({{"ended", how_it_ended}, {"steps", progress_.step}, {"time [s]", progress_.time},
+        {"particles at the start", progress_.initial_particles}, {"particles that flowed in", solver_->emitted()},
+        {"particles that flowed out", progress_.lost[0]}, {"particles", totals_.particles},
+        {"maximum speed [m/s]", totals_.max_speed}, {"kinetic energy [J]", totals_.kinetic_energy},
+        {"potential energy [J]", totals_.potential_energy}, {"pressure iterations in this sitting", iterations_},
+        {"ranks", comm.size()}});
     Value lost = Value::object({});
     for (std::size_t k = 1; k < loss_causes; ++k) lost.set(cause_words[k], progress_.lost[k]);
     summary.set("lost particles", lost);
     const auto spread = [&](double value) {
-        return Value::object({{"min", comm.min(value)}, {"mean", comm.sum(value) / comm.size()}, {"max", comm.max(value)}});
+        return Value::object(
+            {{"min", comm.min(value)}, {"mean", comm.sum(value) / comm.size()}, {"max", comm.max(value)}});
     };
     Value phases = Value::object({});
     for (const auto& phase : solver_->timers().phases()) phases.set(phase.name, spread(phase.seconds));

@@ -12,8 +12,8 @@ namespace treacle::app {
 namespace {
 double distance(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
-std::vector<rigid::ContactSample> probes_of(const scene::Body& body, const scene::SolidRegion& region,
-                                    const Geometry& geometry) {
+std::vector<rigid::ContactSample> probes_of(
+    const scene::Body& body, const scene::SolidRegion& region, const Geometry& geometry) {
     const auto& shape = body.shape;
     if (shape.kind == scene::ShapeKind::sphere && !shape.clip && !region.inverted()) {
         const auto bounds = region.bounds(); // of the cut, in its plane
@@ -24,7 +24,8 @@ std::vector<rigid::ContactSample> probes_of(const scene::Body& body, const scene
         return {ball};
     }
     std::vector<rigid::ContactSample> probes;
-    for (const auto& x : scene::sample_surface(region, on_surface(geometry, region)).positions) probes.push_back({x, 0});
+    for (const auto& x : scene::sample_surface(region, on_surface(geometry, region)).positions)
+        probes.push_back({x, 0});
     return probes;
 }
 
@@ -56,9 +57,7 @@ std::size_t number_of(const Input& input, const std::string& body) {
 bool moves(const scene::Body& body) { return body.kind != scene::BodyKind::fixed; }
 bool dynamic(const scene::Body& body) { return body.kind == scene::BodyKind::dynamic; }
 
-bool any_moves(const Input& input) {
-    return std::any_of(input.scene.bodies.begin(), input.scene.bodies.end(), moves);
-}
+bool any_moves(const Input& input) { return std::any_of(input.scene.bodies.begin(), input.scene.bodies.end(), moves); }
 
 bool any_dynamic(const Input& input) {
     return std::any_of(input.scene.bodies.begin(), input.scene.bodies.end(), dynamic);
@@ -162,7 +161,9 @@ std::vector<double> boundary_volume_factors(const Input& input, const Geometry& 
         const auto& region = geometry.bodies[b];
         auto sampling = body_sampling(geometry, b);
         if (moves(input.scene.bodies[b])) sampling.clip = {}; // with its images, where it is as long as a period
-        out.push_back(moves(input.scene.bodies[b]) ? sph::boundary_volume_factor(setup, region, scene::sample_surface(region, sampling).positions) : 1.0);
+        out.push_back(moves(input.scene.bodies[b]) ? sph::boundary_volume_factor(setup, region,
+                                                         scene::sample_surface(region, sampling).positions)
+                                                   : 1.0);
     }
     return out;
 }

@@ -19,7 +19,7 @@ constexpr double touching = 1e-3;
 // True when some point of a coarse lattice is that deep in the body: in most bodies one is, and surfaces take long to
 // sample.
 bool surely_reaches(double depth, const scene::SolidRegion& region) {
-    constexpr int points = 8; // along each axis
+    constexpr int points = 8;                 // along each axis
     const auto box = region.surface_bounds(); // of a 2D scene without end in z
     for (int n = 0; n < points * points * points; ++n) {
         const std::array<int, 3> place{n % points, n / points % points, n / (points * points)};
@@ -71,10 +71,10 @@ public:
             const auto name = "bodies." + body(b).name;
             if (!region.closed()) {
                 problems.push_back({body(b).where, name + " moves and has no end", "a plane cannot be carried along",
-                                    "take a box, or write kind: static"});
+                    "take a box, or write kind: static"});
             } else if (dynamic(body(b)) && region.inverted()) {
                 problems.push_back({body(b).where, name + " is dynamic and fills all space but a hole",
-                                    "its mass would be infinite", "take a shape that is not inverted"});
+                    "its mass would be infinite", "take a shape that is not inverted"});
             } else {
                 extent(b, problems);
             }
@@ -88,14 +88,14 @@ public:
             const auto bounds = geometry_.bodies[b].bounds();
             for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
                 const double reach = touching * domain.spacing;
-                const bool below = domain.faces[2 * k].kind == scene::BoundaryKind::wall && bounds.min[k] < domain.min[k] - reach;
+                const bool below =
+                    domain.faces[2 * k].kind == scene::BoundaryKind::wall && bounds.min[k] < domain.min[k] - reach;
                 const bool above =
                     domain.faces[2 * k + 1].kind == scene::BoundaryKind::wall && bounds.max[k] > domain.max[k] + reach;
                 if (!below && !above) continue;
                 problems.push_back({body(b).where,
-                                    "bodies." + body(b).name + " reaches through the wall " + "xyz"[k] +
-                                        (below ? "_min" : "_max"),
-                                    "a dynamic body cannot start inside of another solid", "move it into the domain"});
+                    "bodies." + body(b).name + " reaches through the wall " + "xyz"[k] + (below ? "_min" : "_max"),
+                    "a dynamic body cannot start inside of another solid", "move it into the domain"});
             }
         }
     }
@@ -125,18 +125,18 @@ private:
         const auto name = "bodies." + body(b).name;
         if (dynamic(body(b)) && input_.method.pressure.solver == sph::PressureSolver::dfsph) {
             problems.push_back({body(b).where, name + " is dynamic, with method.pressure.solver: dfsph",
-                                "it is there to compare with and knows no bodies that give way",
-                                "write kind: kinematic, or another solver"});
+                "it is there to compare with and knows no bodies that give way",
+                "write kind: kinematic, or another solver"});
         }
         if (dynamic(body(b)) && input_.method.pressure.solid_term == sph::SolidTerm::unknowns) {
             problems.push_back({body(b).where, name + " is dynamic, with method.pressure.solid_term: unknowns",
-                                "solids as unknowns are there to compare with and know no bodies that give way",
-                                "write kind: kinematic, or another solid_term"});
+                "solids as unknowns are there to compare with and know no bodies that give way",
+                "write kind: kinematic, or another solid_term"});
         }
         if (dynamic(body(b)) && input_.method.pressure.corrections > 0) {
             problems.push_back({body(b).where, name + " is dynamic, with method.pressure.corrections",
-                                "they would take it to stand still, and push liquid and body apart",
-                                "write kind: kinematic, or leave the corrections out"});
+                "they would take it to stand still, and push liquid and body apart",
+                "write kind: kinematic, or leave the corrections out"});
         }
         for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
             const bool periodic = domain.faces[2 * k].kind == scene::BoundaryKind::periodic;
@@ -151,21 +151,25 @@ private:
         const std::string axis(1, "xyz"[k]);
         const auto bounds = geometry_.originals[b].bounds();
         const double period = domain.max[k] - domain.min[k], length = bounds.max[k] - bounds.min[k];
-        const bool turns = may_turn(body(b), k, domain.dimensions), meets = std::fabs(length - period) <= 1e-6 * domain.spacing;
+        const bool turns = may_turn(body(b), k, domain.dimensions),
+                   meets = std::fabs(length - period) <= 1e-6 * domain.spacing;
         if ((turns ? 2 * setups_[b].reach : length) < period && !meets) return;
         const auto [given, least] = tell_apart(meets ? period : length, period);
         if (turns && (meets || length < period)) {
             problems.push_back({body(b).where, name + " may turn, and is longer than the period in " + axis + " then",
-                                "it could meet its own image",
-                                "shorten it, lengthen the domain, or take its rotation away (`locked` of a dynamic body)"});
+                "it could meet its own image",
+                "shorten it, lengthen the domain, or take its rotation away (`locked` of a dynamic body)"});
         } else if (meets) {
-            problems.push_back({body(b).where, name + " moves and is as long as the period in " + axis + ", " + given + " m",
-                                "the ends of a body meet those of its images only where they are flat, of a box that is not turned "
-                                "or a cylinder along " + axis,
-                                "take one of these, shorten the body, or lengthen the domain"});
+            problems.push_back(
+                {body(b).where, name + " moves and is as long as the period in " + axis + ", " + given + " m",
+                    "the ends of a body meet those of its images only where they are flat, of a box that is not turned "
+                    "or a cylinder along " +
+                        axis,
+                    "take one of these, shorten the body, or lengthen the domain"});
         } else {
-            problems.push_back({body(b).where, name + " moves and is " + given + " m long in " + axis + ", more than the period of " + least + " m",
-                                "it could meet its own image", "make it as long as the period, so that its ends meet, or shorter"});
+            problems.push_back({body(b).where,
+                name + " moves and is " + given + " m long in " + axis + ", more than the period of " + least + " m",
+                "it could meet its own image", "make it as long as the period, so that its ends meet, or shorter"});
         }
     }
 
@@ -184,10 +188,10 @@ void check_freedom(const Input& input, const Geometry& geometry, std::vector<Dia
             input.scene.joints, [&](const scene::Joint& one) { return one.body == body.name || one.to == body.name; });
         const bool joins = joint != input.scene.joints.end();
         problems.push_back({joins ? joint->where : body.where,
-                            "bodies." + body.name + " cannot move: " +
-                                (joins ? "its joints and locked degrees of freedom hold all six"
-                                       : "all its degrees of freedom are locked"),
-                            "no force on it would show", "write kind: static, or free one of them"});
+            "bodies." + body.name + " cannot move: " +
+                (joins ? "its joints and locked degrees of freedom hold all six"
+                       : "all its degrees of freedom are locked"),
+            "no force on it would show", "write kind: static, or free one of them"});
     }
 }
 
@@ -198,9 +202,9 @@ void check_thickness(const Input& input, const Geometry& geometry, std::vector<D
         if (!(dynamic(body) || input.on_grid()) || !geometry.bodies[b].closed()) continue;
         if (!thinner_than(input.scene.domain.spacing, geometry.bodies[b], geometry)) continue;
         problems.push_back({body.where, "bodies." + body.name + " is thinner than domain.spacing",
-                            input.on_grid() ? "no cell would lie within it, and liquid would pass through it"
-                                            : "liquid on one side would feel the liquid on the other, and it could not float",
-                            "thicken it, or refine domain.spacing"});
+            input.on_grid() ? "no cell would lie within it, and liquid would pass through it"
+                            : "liquid on one side would feel the liquid on the other, and it could not float",
+            "thicken it, or refine domain.spacing"});
     }
 }
 } // namespace
@@ -214,8 +218,8 @@ void check_bodies(const Input& input, const Geometry& geometry, std::vector<Diag
     checker.overlaps([&](const scene::Body& a, const scene::Body& b, double depth) {
         if (!dynamic(a) && !dynamic(b)) return;
         problems.push_back({(dynamic(b) ? b : a).where,
-                            "bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) + " m",
-                            "a dynamic body cannot start inside of another solid", "move one of the two"});
+            "bodies." + a.name + " overlaps bodies." + b.name + " by " + short_number(depth) + " m",
+            "a dynamic body cannot start inside of another solid", "move one of the two"});
     });
     if (problems.empty()) check_freedom(input, geometry, problems);
 }
@@ -236,9 +240,10 @@ std::vector<std::string> body_warnings(const Input& input, const Geometry& geome
             const double ratio = density_of(body, geometry.originals[b]) / liquid->density;
             if (ratio >= light && ratio <= heavy) continue;
             const auto [given, bound] = tell_apart(ratio, ratio < light ? light : heavy);
-            notes.push_back("bodies." + body.name + " has " + given + " times the density of " +
-                            liquid->name + ": its motion is sure from " + (ratio < light ? bound : short_number(light)) + " to " +
-                            (ratio < light ? short_number(heavy) : bound) + " times, beyond that take smaller steps and compare");
+            notes.push_back("bodies." + body.name + " has " + given + " times the density of " + liquid->name +
+                            ": its motion is sure from " + (ratio < light ? bound : short_number(light)) + " to " +
+                            (ratio < light ? short_number(heavy) : bound) +
+                            " times, beyond that take smaller steps and compare");
             break;
         }
     }

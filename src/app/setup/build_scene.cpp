@@ -23,7 +23,6 @@ double friction_of(scene::Slip slip) { return slip == scene::Slip::no_slip ? 1.0
 
 } // namespace
 
-
 double reference_speed(const Input& input, const Geometry& geometry) {
     if (input.method.viscosity.reference_speed > 0) return input.method.viscosity.reference_speed;
     const auto& g = input.scene.domain.gravity;
@@ -48,8 +47,8 @@ double reference_speed(const Input& input, const Geometry& geometry) {
     return std::sqrt(pull * std::max(0.0, highest - lowest));
 }
 
-std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed,
-                                           const Geometry& geometry) {
+std::unique_ptr<sph::IsphStep> make_solver(
+    const Comm& comm, const Input& input, double reference_speed, const Geometry& geometry) {
     sph::IsphSetup setup;
     setup.options = input.method;
     setup.options.viscosity.integration = viscosity_integration(input);
@@ -63,8 +62,10 @@ std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input,
     setup.forces.surface_tension = input.scene.liquids.front().surface_tension;
     const auto materials = liquid_materials(input);
     if (sph::differ(materials)) {
-        setup.constants.immiscible = sph::make_immiscible_liquids(materials, input.method.pressure.solver == sph::PressureSolver::isph ? sph::Loads::conducted : sph::Loads::adjoint);
-        if (reference_speed > 0) setup.constants.immiscible.relaxation_time = recovery_cfl * domain.spacing / reference_speed;
+        setup.constants.immiscible = sph::make_immiscible_liquids(materials,
+            input.method.pressure.solver == sph::PressureSolver::isph ? sph::Loads::conducted : sph::Loads::adjoint);
+        if (reference_speed > 0)
+            setup.constants.immiscible.relaxation_time = recovery_cfl * domain.spacing / reference_speed;
     }
     for (const auto& face : domain.faces) setup.forces.friction.push_back(friction_of(face.slip));
     for (const auto& body : input.scene.bodies) setup.forces.friction.push_back(friction_of(body.slip));
@@ -142,7 +143,8 @@ scene::VolumeSamples sample_liquid(const Input& input, const Geometry& geometry,
     return samples;
 }
 
-void add_liquid(const Input& input, const Geometry& geometry, const scene::VolumeSamples& samples, sph::IsphStep& solver) {
+void add_liquid(
+    const Input& input, const Geometry& geometry, const scene::VolumeSamples& samples, sph::IsphStep& solver) {
     auto& liquid = solver.liquid();
     liquid.store.resize_owned(static_cast<int>(samples.positions.size()));
     Column x(liquid.position()), u(liquid.velocity());
@@ -160,7 +162,8 @@ void add_liquid(const Input& input, const Geometry& geometry, const scene::Volum
         (*id)(i) = static_cast<std::int64_t>(samples.ids[i]);
         (*which)(i) = samples.liquids[i];
         (*p)(i) = 0;
-        (*viscosity)(i) = initial_viscosity(input, geometry, static_cast<std::size_t>(samples.liquids[i]), samples.positions[i]);
+        (*viscosity)(i) =
+            initial_viscosity(input, geometry, static_cast<std::size_t>(samples.liquids[i]), samples.positions[i]);
     }
 }
 
@@ -182,7 +185,8 @@ SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) 
     walls.part = part;
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
-        out.rows.push_back({samples.positions[i], samples.normals[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
+        out.rows.push_back(
+            {samples.positions[i], samples.normals[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
     }
     auto next = static_cast<std::int64_t>(scene::count_domain_walls(geometry.walls));
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {

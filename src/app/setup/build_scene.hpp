@@ -21,8 +21,8 @@ double reference_speed(const Input& input, const Geometry& geometry);
 
 // A solver for the scene without particles. Collective. The speed is that of the artificial viscosity. The geometry
 // is needed where bodies move.
-std::unique_ptr<sph::IsphStep> make_solver(const Comm& comm, const Input& input, double reference_speed,
-                                           const Geometry& geometry);
+std::unique_ptr<sph::IsphStep> make_solver(
+    const Comm& comm, const Input& input, double reference_speed, const Geometry& geometry);
 
 // Puts the scene's particles into the solver and starts it. Collective; each rank makes those of its own box.
 // Returns notes for the user about the scene: fallbacks, thin bodies, what is not modelled.

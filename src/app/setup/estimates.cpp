@@ -65,8 +65,7 @@ double typical_length(const Input& input, const Geometry& geometry) {
 
 } // namespace
 
-Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64_t liquid,
-                       std::uint64_t solid) {
+Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64_t liquid, std::uint64_t solid) {
     const auto& scene = input.scene;
     const double pull = length_of(scene.domain.gravity);
     const double d = scene.domain.spacing;
@@ -81,7 +80,8 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     const double cfl = scene.time.cfl * sph::step_share(liquid_materials(input));
     out.courant_step = out.speed > 0 ? cfl * d / out.speed : infinite;
     out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
-    const bool limited = !input.on_grid() && limiting_viscosity(input) > 0 && viscosity_integration(input) != sph::ViscosityIntegration::implicit;
+    const bool limited = !input.on_grid() && limiting_viscosity(input) > 0 &&
+                         viscosity_integration(input) != sph::ViscosityIntegration::implicit;
     out.viscous_step = limited ? viscous_step_limit(input) : infinite;
     const bool has_surface_tension = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
     out.capillary_step = has_surface_tension ? capillary_step_limit(input) : infinite;
@@ -89,17 +89,18 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
         out.step = scene.time.step;
     } else {
         out.step = std::min({out.courant_step, out.gravity_step, out.viscous_step, out.capillary_step,
-                             scene.time.step > 0 ? scene.time.step : infinite});
+            scene.time.step > 0 ? scene.time.step : infinite});
     }
     out.steps = std::ceil(scene.time.end / out.step);
     out.poured = static_cast<double>(inflow_particles(input));
-    out.bytes = bytes_per_particle(input) * (static_cast<double>(liquid) + out.poured) + 200.0 * static_cast<double>(solid);
+    out.bytes =
+        bytes_per_particle(input) * (static_cast<double>(liquid) + out.poured) + 200.0 * static_cast<double>(solid);
     return out;
 }
 
 namespace {
 void add_numbers_of(const scene::Liquid& liquid, const std::string& which, double pull, const Estimates& estimates,
-                    std::vector<DimensionlessNumber>& out) {
+    std::vector<DimensionlessNumber>& out) {
     const double length = estimates.length, speed = estimates.speed;
     const auto add = [&](const char* name, const char* formula, double value) {
         out.push_back({name + which, formula, value});
@@ -130,7 +131,7 @@ std::vector<DimensionlessNumber> dimensionless_numbers(const Input& input, const
     for (const auto& liquid : liquids) add_numbers_of(liquid, " " + liquid.name, pull, estimates, out);
     const auto [light, heavy] = std::ranges::minmax(liquids, {}, &scene::Liquid::density);
     out.push_back({"Atwood number", "(rho1 - rho2) / (rho1 + rho2)",
-                   (heavy.density - light.density) / (heavy.density + light.density)});
+        (heavy.density - light.density) / (heavy.density + light.density)});
     return out;
 }
 

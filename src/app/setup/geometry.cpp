@@ -33,8 +33,8 @@ scene::Side side_of(const scene::Face& face) {
 }
 
 // The solid of a shape, cut at the domain where its options state that; `owner` for the note.
-scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& domain, const std::string& owner,
-                               std::vector<std::string>& notes) {
+scene::SolidRegion place_shape(
+    const scene::Shape& shape, const scene::Domain& domain, const std::string& owner, std::vector<std::string>& notes) {
     scene::SolidRegion whole(shape, domain.dimensions);
     if (!shape.clip) return whole;
     const auto bounds = whole.bounds();
@@ -48,7 +48,8 @@ scene::SolidRegion place_shape(const scene::Shape& shape, const scene::Domain& d
     auto note = owner + " is cut at the domain (clip): " + short_number(part.volume()) + unit + " are left";
     if (std::isfinite(whole.volume())) {
         const double percent = 100 * std::max(0.0, 1 - part.volume() / whole.volume());
-        note += ", " + short_number(std::round(10 * percent) / 10) + " % of its " + short_number(whole.volume()) + unit + " are cut off";
+        note += ", " + short_number(std::round(10 * percent) / 10) + " % of its " + short_number(whole.volume()) +
+                unit + " are cut off";
     }
     notes.push_back(note);
     return part;
@@ -78,7 +79,7 @@ Vec3 pivot_of(const scene::Liquid& liquid, const scene::Regions& regions) {
     if (liquid.pivot) return *liquid.pivot;
     if (!std::ranges::all_of(regions, [](const auto& region) { return std::isfinite(region.volume()); })) {
         throw InputError({liquid.where, "liquids." + liquid.name + ".pivot is missing",
-                          "its shapes have no end, and no centre that it could turn about", "write pivot: {point: [0, 0, 0]}"});
+            "its shapes have no end, and no centre that it could turn about", "write pivot: {point: [0, 0, 0]}"});
     }
     return scene::moments_of(regions).centre;
 }
@@ -88,7 +89,7 @@ Vec3 pivot_of(const scene::Liquid& liquid, const scene::Regions& regions) {
 sph::WallSetup wall_setup(const Input& input) {
     const auto& domain = input.scene.domain;
     return {input.method.kernel, domain.dimensions, input.method.support_ratio * domain.spacing, domain.spacing,
-            domain.spacing};
+        domain.spacing};
 }
 
 double solid_offset(const Input& input) {
@@ -118,8 +119,10 @@ Geometry build_geometry(const Input& input) {
         out.originals.push_back(place_shape(body.shape, domain, "bodies." + body.name, out.notes));
         out.spans.push_back(spanned_axes(body, out.originals.back(), domain));
         const bool spans = std::ranges::any_of(out.spans.back(), [](bool along) { return along; });
-        if (spans) out.bodies.emplace_back(with_images(body.shape, out.spans.back(), domain, out.offset), domain.dimensions);
-        else out.bodies.push_back(out.originals.back());
+        if (spans)
+            out.bodies.emplace_back(with_images(body.shape, out.spans.back(), domain, out.offset), domain.dimensions);
+        else
+            out.bodies.push_back(out.originals.back());
         out.moving.push_back(moves(body) ? 1 : 0);
     }
     out.walls.lattice = out.lattice;
@@ -132,7 +135,8 @@ Geometry build_geometry(const Input& input) {
 
 scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body) {
     const auto& lattice = geometry.lattice;
-    scene::SurfaceSampling sampling{periodic_spacing(lattice.spacing, geometry.spans[body], lattice.min, lattice.max), geometry.offset, {}};
+    scene::SurfaceSampling sampling{
+        periodic_spacing(lattice.spacing, geometry.spans[body], lattice.min, lattice.max), geometry.offset, {}};
     const bool whole = geometry.moving[body] != 0 && geometry.bodies[body].closed();
     for (std::size_t k = 0; k < 3; ++k) {
         if (whole && !geometry.spans[body][k]) continue;
@@ -160,7 +164,8 @@ double thin_surface(const scene::SolidRegion& region, const Geometry& geometry, 
             return region.distance(x);
         };
         // From an edge the one face's normal runs along the other face.
-        if (std::abs(behind(0.02 * spacing)) < 1e-3 * spacing && std::abs(behind(0.05 * spacing)) < 1e-3 * spacing) continue;
+        if (std::abs(behind(0.02 * spacing)) < 1e-3 * spacing && std::abs(behind(0.05 * spacing)) < 1e-3 * spacing)
+            continue;
         bool through = false;
         for (int q = 1; q <= probes && !through; ++q) through = behind(spacing * (1 - 1e-6) * q / probes) > 0;
         thin += through ? 1 : 0;
@@ -180,7 +185,8 @@ scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, cons
 
 ParticleCounts estimate_particles(const Input& input, const Geometry& geometry) {
     ParticleCounts counts;
-    for (const auto count : scene::estimate_liquid_counts(liquid_fill(input, geometry, geometry.lattice))) counts.liquid += count;
+    for (const auto count : scene::estimate_liquid_counts(liquid_fill(input, geometry, geometry.lattice)))
+        counts.liquid += count;
     if (input.on_grid()) return counts; // whose solids are no particles
     counts.solid = scene::count_domain_walls(geometry.walls);
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
@@ -194,8 +200,8 @@ double bytes_per_particle(const Input& input) {
     // the state.
     if (input.on_grid()) return 300 + 6000 * std::pow(grid::particles_per_axis, -input.scene.domain.dimensions);
     const auto& domain = input.scene.domain;
-    const auto lattice = sph::compute_lattice_sums(input.method.kernel, domain.dimensions,
-                                              input.method.support_ratio * domain.spacing, domain.spacing);
+    const auto lattice = sph::compute_lattice_sums(
+        input.method.kernel, domain.dimensions, input.method.support_ratio * domain.spacing, domain.spacing);
     // State, work arrays and solver vectors; per neighbour the list, the matrix and half of it factorised.
     return 500 + 22.0 * (lattice.neighbours + 1);
 }
@@ -225,23 +231,22 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
         const auto outside = scene::find_outside(geometry.liquids[k], geometry.lattice);
         if (outside.count > 0) {
             problems.push_back({liquid.where,
-                                "liquids." + liquid.name + " reaches outside of the domain, as at " +
-                                    place(outside.example),
-                                std::to_string(outside.count) + " of its " + std::to_string(outside.total) +
-                                    " particles would start there",
-                                "move or shrink its shapes, or enlarge domain.min and domain.max"});
+                "liquids." + liquid.name + " reaches outside of the domain, as at " + place(outside.example),
+                std::to_string(outside.count) + " of its " + std::to_string(outside.total) +
+                    " particles would start there",
+                "move or shrink its shapes, or enlarge domain.min and domain.max"});
         }
         for (std::size_t b = 0; b < geometry.bodies.size() && !liquid.subtract_bodies; ++b) {
             const auto overlap =
                 scene::find_overlap(geometry.liquids[k], scene::Regions{geometry.bodies[b]}, geometry.lattice);
             if (overlap.count == 0) continue;
             problems.push_back({liquid.where,
-                                "liquids." + liquid.name + " overlaps bodies." + input.scene.bodies[b].name +
-                                    ", as at " + place(overlap.example),
-                                std::to_string(overlap.count) + " of its " + std::to_string(overlap.total) +
-                                    " particles would start inside the solid",
-                                "move one of the two, make the liquid of shapes around the body, or set its "
-                                "subtract_bodies to true"});
+                "liquids." + liquid.name + " overlaps bodies." + input.scene.bodies[b].name + ", as at " +
+                    place(overlap.example),
+                std::to_string(overlap.count) + " of its " + std::to_string(overlap.total) +
+                    " particles would start inside the solid",
+                "move one of the two, make the liquid of shapes around the body, or set its "
+                "subtract_bodies to true"});
         }
     }
 }
@@ -250,7 +255,8 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
 namespace {
 // With as many digits as distinguish them.
 std::pair<std::string, std::string> memory_texts(double needed, double available) {
-    std::pair out(format_bytes(static_cast<std::uint64_t>(needed)), format_bytes(static_cast<std::uint64_t>(available)));
+    std::pair out(
+        format_bytes(static_cast<std::uint64_t>(needed)), format_bytes(static_cast<std::uint64_t>(available)));
     if (out.first != out.second) return out;
     const auto [most, spare] = tell_apart(needed, available);
     return {most + " B", spare + " B"};
@@ -266,20 +272,19 @@ void validate_geometry(const Input& input, const Geometry& geometry, const Comm&
     auto counts = estimate_particles(input, geometry);
     counts.liquid += inflow_particles(input);
     if (counts.liquid == 0) {
-        problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle", "no point of the particle lattice lies in its liquids",
-                            "enlarge the liquid's shapes, or refine domain.spacing"});
+        problems.push_back({input.scene.liquids.front().where, "the scene has no liquid particle",
+            "no point of the particle lattice lies in its liquids",
+            "enlarge the liquid's shapes, or refine domain.spacing"});
     }
     const double needed = bytes_per_particle(input) * double(counts.liquid) + 200.0 * double(counts.solid);
     const double available = available_memory();
     if (available > 0 && needed > available) {
         const auto [most, spare] = memory_texts(needed, available);
         problems.push_back({input.scene.domain.where,
-                            "the run needs about " + most + " of memory for " +
-                                std::to_string(counts.liquid) + " liquid and " + std::to_string(counts.solid) +
-                                " solid particles",
-                            "this machine has " + spare + " to spare for its " +
-                                std::to_string(comm.size()) + " ranks",
-                            "enlarge domain.spacing, or use more machines"});
+            "the run needs about " + most + " of memory for " + std::to_string(counts.liquid) + " liquid and " +
+                std::to_string(counts.solid) + " solid particles",
+            "this machine has " + spare + " to spare for its " + std::to_string(comm.size()) + " ranks",
+            "enlarge domain.spacing, or use more machines"});
     }
     if (!problems.empty()) throw InputError(std::move(problems));
 }
@@ -313,7 +318,9 @@ double initial_viscosity(const Input& input, const Geometry& geometry, std::size
 }
 
 std::vector<flow::ViscosityModel> viscosity_models(const Input& input) {
-    const auto thins = [](const scene::Liquid& liquid) { return liquid.rheology.law != scene::ViscosityModelKind::newtonian; };
+    const auto thins = [](const scene::Liquid& liquid) {
+        return liquid.rheology.law != scene::ViscosityModelKind::newtonian;
+    };
     std::vector<flow::ViscosityModel> out;
     if (std::ranges::none_of(input.scene.liquids, thins)) return out;
     for (const auto& liquid : input.scene.liquids) out.push_back(flow::make_viscosity_model(liquid));
@@ -341,7 +348,8 @@ bool any_slip_length(const Input& input) {
 
 sph::ViscosityIntegration viscosity_integration(const Input& input) {
     using sph::ViscosityIntegration;
-    if (input.method.viscosity.integration != ViscosityIntegration::automatic) return input.method.viscosity.integration;
+    if (input.method.viscosity.integration != ViscosityIntegration::automatic)
+        return input.method.viscosity.integration;
     const double viscosity = limiting_viscosity(input);
     if (viscosity == 0) return ViscosityIntegration::explicit_pairs;
     if (viscosities_vary(input) || any_slip_length(input)) return ViscosityIntegration::implicit;
@@ -351,8 +359,9 @@ sph::ViscosityIntegration viscosity_integration(const Input& input) {
     double step = time.step > 0 ? time.step : time.end;
     if (time.rule != scene::StepRule::fixed && pull > 0) step = std::min(step, time.cfl * std::sqrt(d / pull));
     constexpr double margin = 4;
-    return sph::viscous_step_limit(make_constants(input), viscosity) < margin * step ? ViscosityIntegration::implicit
-                                                                                     : ViscosityIntegration::explicit_pairs;
+    return sph::viscous_step_limit(make_constants(input), viscosity) < margin * step
+               ? ViscosityIntegration::implicit
+               : ViscosityIntegration::explicit_pairs;
 }
 
 double viscous_step_limit(const Input& input) {
@@ -364,7 +373,8 @@ double viscous_step_limit(const Input& input) {
 double capillary_step_limit(const Input& input) {
     auto constants = make_constants(input);
     constants.immiscible.step_share = sph::step_share(liquid_materials(input));
-    return sph::capillary_step_limit(input.method.surface_tension, constants, input.scene.liquids.front().surface_tension);
+    return sph::capillary_step_limit(
+        input.method.surface_tension, constants, input.scene.liquids.front().surface_tension);
 }
 
 sph::Constants make_constants(const Input& input) {
@@ -382,7 +392,8 @@ sph::Constants make_constants(const Input& input) {
     const sph::WallSetup wall{input.method.kernel, domain.dimensions, out.support, domain.spacing, domain.spacing};
     const double viscous = sph::viscous_support(input.method, domain.spacing);
     out.wall_packing = sph::wall_packing(input.method.pressure, domain.dimensions);
-    if (limiting_viscosity(input) > 0) out.wall_viscous_factor = sph::wall_viscous_factor(wall, input.method.density, viscous) / out.wall_packing;
+    if (limiting_viscosity(input) > 0)
+        out.wall_viscous_factor = sph::wall_viscous_factor(wall, input.method.density, viscous) / out.wall_packing;
     if (any_slip_length(input)) sph::measure_slip(wall, input.method.density, viscous, out);
     if (input.method.pressure.dirichlet == sph::DirichletRule::ghosts) {
         out.wall_laplacian_factor = sph::wall_laplacian_factor(wall, input.method.density);

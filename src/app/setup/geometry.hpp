@@ -13,16 +13,16 @@ namespace treacle::app {
 // The shapes of a scene, read and placed; nothing large has been allocated yet.
 struct Geometry {
     scene::Lattice lattice;
-    std::vector<scene::Regions> liquids;   // one union per liquid
-    std::vector<Vec3> pivots;              // [m] per liquid, of its velocity at the start; 0 where that is the same everywhere
+    std::vector<scene::Regions> liquids; // one union per liquid
+    std::vector<Vec3> pivots; // [m] per liquid, of its velocity at the start; 0 where that is the same everywhere
     std::vector<scene::Regions> viscosity_regions; // per liquid
     scene::Regions bodies;
-    std::vector<char> moving;              // per body: 1 when its place changes
+    std::vector<char> moving; // per body: 1 when its place changes
     scene::WallSampling walls;
-    double offset = 0;                     // depth of a solid's particle layer below its surface [m]
-    std::vector<std::string> notes;        // fallbacks taken and the like
-    scene::Regions originals;              // the bodies without their images, for masses and extents
-    std::vector<Axes> spans;               // of the bodies, the periods that they are as long as
+    double offset = 0;              // depth of a solid's particle layer below its surface [m]
+    std::vector<std::string> notes; // fallbacks taken and the like
+    scene::Regions originals;       // the bodies without their images, for masses and extents
+    std::vector<Axes> spans;        // of the bodies, the periods that they are as long as
 };
 
 // Index of a body's loads and slip: the six sides of the domain come first, then the bodies of the scene.

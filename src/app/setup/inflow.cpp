@@ -84,8 +84,7 @@ std::vector<std::array<double, 2>> disc(double radius, double spacing) {
                 if (a * a + b * b <= radius * radius) points.push_back({a, b});
             }
         }
-        const double off =
-            std::abs(double(points.size()) * spacing * spacing - std::numbers::pi * radius * radius);
+        const double off = std::abs(double(points.size()) * spacing * spacing - std::numbers::pi * radius * radius);
         if (off < least && !points.empty()) {
             least = off;
             best = points;
@@ -113,7 +112,8 @@ Pouring pouring_of(const Input& input) {
         out.layers.held = grid::inlet_body_layers;
         out.volume = std::pow(out.layers.spacing, domain.dimensions);
         out.first_id = static_cast<std::int64_t>(input.scene.liquids.size()) * particles;
-        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.held) + " particle spacings behind the opening";
+        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.held) +
+                     " particle spacings behind the opening";
         return out;
     }
     const auto constants = make_constants(input);
@@ -140,7 +140,8 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
     // Points as far apart as their number needs to cover the opening, and layers as much nearer: neither density nor flow depends on how a
     // lattice fits into it.
     const double opening = opening_of(inlet, domain.dimensions);
-    const double cover = places.empty() ? 1 : opening / (double(places.size()) * std::pow(spacing, domain.dimensions - 1));
+    const double cover =
+        places.empty() ? 1 : opening / (double(places.size()) * std::pow(spacing, domain.dimensions - 1));
     const double stretch = domain.dimensions == 3 ? std::sqrt(cover) : cover;
     for (auto& [a, b] : places) a *= stretch, b *= stretch;
     out.step = spacing / cover;
@@ -161,7 +162,8 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
 
 // A box that reaches an open side goes on beyond it: it takes what leaves there.
 flow::OutletSetup make_outlet(const scene::Outlet& outlet, const scene::Domain& domain) {
-    flow::OutletSetup out{outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, unit(outlet.normal)};
+    flow::OutletSetup out{
+        outlet.shape == scene::OutletShape::box, outlet.min, outlet.max, outlet.point, unit(outlet.normal)};
     constexpr double far = std::numeric_limits<double>::max();
     for (std::size_t k = 0; k < 3; ++k) {
         const auto is_open = [&](std::size_t side) { return domain.faces[side].kind == scene::BoundaryKind::open; };
@@ -210,8 +212,7 @@ bool in_domain(const scene::Domain& domain, double clearance, const Vec3& x) {
 
 bool in_outlet(const flow::OutletSetup& outlet, const Vec3& x, int dimensions) {
     if (!outlet.box)
-        return dot({x[0] - outlet.point[0], x[1] - outlet.point[1], x[2] - outlet.point[2]}, outlet.normal) <
-               0;
+        return dot({x[0] - outlet.point[0], x[1] - outlet.point[1], x[2] - outlet.point[2]}, outlet.normal) < 0;
     for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions); ++k) {
         if (x[k] < outlet.min[k] || x[k] > outlet.max[k]) return false;
     }
@@ -240,34 +241,32 @@ public:
         const double d = pouring_.layers.spacing, clearance = pouring_.clearance * (1 - 1e-6);
         const auto& behind = pouring_.behind;
         if (setup_.inlets[q].points.empty()) {
-            complain(q, "is smaller than a particle", "nothing would flow in",
-                     "make it larger, or refine domain.spacing");
+            complain(
+                q, "is smaller than a particle", "nothing would flow in", "make it larger, or refine domain.spacing");
             return;
         }
         if (any(q, [&](const Vec3& x) { return !in_domain(scene.domain, clearance, x); })) {
-            complain(q, "reaches outside of the domain", behind,
-                     "move it, or enlarge domain.min and domain.max");
+            complain(q, "reaches outside of the domain", behind, "move it, or enlarge domain.min and domain.max");
         }
         for (std::size_t b = 0; b < geometry_.bodies.size(); ++b) {
             const auto& body = geometry_.bodies[b];
             if (any(q, [&](const Vec3& x) { return body.distance(x) < clearance; })) {
                 complain(q, "is inside bodies." + scene.bodies[b].name, behind,
-                         "move one of the two, or make the body hollow");
+                    "move one of the two, or make the body hollow");
             }
         }
         for (std::size_t l = 0; l < geometry_.liquids.size(); ++l) {
             const auto inside = [&](const Vec3& x) {
-                return std::ranges::any_of(geometry_.liquids[l],
-                                           [&](const auto& region) { return region.distance(x) < 0; });
+                return std::ranges::any_of(
+                    geometry_.liquids[l], [&](const auto& region) { return region.distance(x) < 0; });
             };
             if (any(q, inside)) {
                 complain(q, "is where liquids." + scene.liquids[l].name + " is at the start", behind,
-                         "leave that room out of the liquid's shapes");
+                    "leave that room out of the liquid's shapes");
             }
         }
         for (std::size_t o = 0; o < setup_.outlets.size(); ++o) {
-            if (any(q,
-                    [&](const Vec3& x) { return in_outlet(setup_.outlets[o], x, scene.domain.dimensions); })) {
+            if (any(q, [&](const Vec3& x) { return in_outlet(setup_.outlets[o], x, scene.domain.dimensions); })) {
                 complain(q, "is inside outlets." + scene.outlets[o].name, behind, "move one of the two");
             }
         }
@@ -303,14 +302,13 @@ void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diag
         const bool plane = input.scene.domain.dimensions == 2;
         if (plane && inlet.direction[2] != 0) {
             problems.push_back({inlet.where, "inlets." + inlet.name + ".direction must lie in the plane",
-                                "the scene is plane", "write for instance direction: [0, -1]"});
+                "the scene is plane", "write for instance direction: [0, -1]"});
             return;
         }
         const Vec3 direction = unit(inlet.direction), left = across(inlet.along, direction);
         if (dot(inlet.along, inlet.along) > 0 && dot(left, left) < 1e-6 * dot(inlet.along, inlet.along)) {
-            problems.push_back({inlet.where,
-                                "inlets." + inlet.name + ".along must not be along its direction",
-                                "it is the direction of the width of the opening", "give another one"});
+            problems.push_back({inlet.where, "inlets." + inlet.name + ".along must not be along its direction",
+                "it is the direction of the width of the opening", "give another one"});
             return;
         }
     }
@@ -319,11 +317,11 @@ void check_inflow(const Input& input, const Geometry& geometry, std::vector<Diag
     for (std::size_t q = 0; q < inlets.size(); ++q) check.check(q);
     if (input.method.pressure.solver == sph::PressureSolver::dfsph) {
         problems.push_back({inlets.front().where, "inlets cannot go with method.pressure.solver: dfsph",
-                            "it is there to compare with and does not know them", "write another solver"});
+            "it is there to compare with and does not know them", "write another solver"});
     }
     if (input.method.pressure.corrections > 0) {
         problems.push_back({inlets.front().where, "inlets cannot go with method.pressure.corrections",
-                            "they would press what waits behind an opening", "leave the corrections out"});
+            "they would press what waits behind an opening", "leave the corrections out"});
     }
 }
 

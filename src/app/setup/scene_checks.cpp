@@ -56,14 +56,14 @@ void check_surface_tension(const Input& input, std::vector<Diagnostic>& problems
         const std::string key = "liquids." + liquid.name + ".surface_tension";
         if (!modelled && liquid.surface_tension > 0 && !is_of_preset(liquid)) {
             problems.push_back({liquid.where, key + " is not modelled with method.surface_tension.model: none",
-                                "it would be ignored", "write method.surface_tension.model: curvature, or leave it out"});
+                "it would be ignored", "write method.surface_tension.model: curvature, or leave it out"});
         } else if (modelled && liquid.surface_tension == 0) {
             problems.push_back({liquid.where, key + " = 0: must be > 0 with a method.surface_tension.model",
-                                "the model needs the surface tension against air", "give it, or leave out the model"});
+                "the model needs the surface tension against air", "give it, or leave out the model"});
         } else if (modelled && liquid.surface_tension != first.surface_tension) {
             problems.push_back({liquid.where, key + " differs from that of liquids." + first.name,
-                                "the models know one surface tension, against air, and none between liquids",
-                                "give the liquids the same one"});
+                "the models know one surface tension, against air, and none between liquids",
+                "give the liquids the same one"});
         }
     }
 }
@@ -76,41 +76,42 @@ void check_viscosity(const Input& input, std::vector<Diagnostic>& problems) {
         const std::string name = "liquids." + liquid.name;
         if (liquid.varies() && !implicit) {
             problems.push_back({liquid.where, name + ": a viscosity that varies needs the implicit viscosity",
-                                "the explicit one knows one viscosity per liquid", "leave out method.viscosity.integration"});
+                "the explicit one knows one viscosity per liquid", "leave out method.viscosity.integration"});
         }
         const bool by_rate = liquid.rheology.law != scene::ViscosityModelKind::newtonian;
         if (by_rate && options.form != sph::ViscosityForm::corrected && options.form != sph::ViscosityForm::adjoint) {
             problems.push_back({liquid.where, name + ".rheology needs method.viscosity.form: corrected or adjoint",
-                                "the other forms have no shear rate", "leave out method.viscosity.form"});
+                "the other forms have no shear rate", "leave out method.viscosity.form"});
         }
     }
     const auto refuse_slip = [&](const std::string& where, const std::string& key) {
         if (options.assembled) {
             problems.push_back({where, key + ": a slip length cannot go with method.viscosity.assembled",
-                                "the matrix does not have its traction", "leave assembled out"});
+                "the matrix does not have its traction", "leave assembled out"});
         }
         if (options.form != sph::ViscosityForm::corrected) {
             problems.push_back({where, key + ": a slip length needs method.viscosity.form: corrected",
-                                "the other forms are there to compare with", "leave out method.viscosity.form"});
+                "the other forms are there to compare with", "leave out method.viscosity.form"});
         }
         if (implicit) return;
         problems.push_back({where, key + ": a slip length needs a viscosity, and the implicit one",
-                            "it is the viscosity's force on the wall that slip limits",
-                            "give the liquid a viscosity and leave out method.viscosity.integration, or choose free_slip or no_slip"});
+            "it is the viscosity's force on the wall that slip limits",
+            "give the liquid a viscosity and leave out method.viscosity.integration, or choose free_slip or no_slip"});
     };
     if (options.assembled && !input.scene.inlets.empty()) {
         problems.push_back({input.scene.inlets.front().where, "inlets cannot go with method.viscosity.assembled",
-                            "the matrix does not know what waits behind an opening", "leave assembled out"});
+            "the matrix does not know what waits behind an opening", "leave assembled out"});
     }
     const bool coupled = implicit && options.coupling == sph::BodyCoupling::strong;
     for (const auto& body : input.scene.bodies) {
         if (body.kind != scene::BodyKind::dynamic || !coupled) continue;
         const auto refuse = [&](const std::string& key, const std::string& why) {
             problems.push_back({body.where, "bodies." + body.name + " is dynamic, with method.viscosity." + key, why,
-                                "leave " + key + " out, or write method.viscosity.coupling: weak"});
+                "leave " + key + " out, or write method.viscosity.coupling: weak"});
         };
         if (options.assembled) refuse("assembled", "the matrix has no bodies as unknowns");
-        if (options.guess == sph::ViscosityGuess::last_change) refuse("guess", "it knows the liquid's velocities alone");
+        if (options.guess == sph::ViscosityGuess::last_change)
+            refuse("guess", "it knows the liquid's velocities alone");
     }
     for (const auto& body : input.scene.bodies) {
         if (body.slip == scene::Slip::slip_length) refuse_slip(body.where, "bodies." + body.name + ".slip");
@@ -131,11 +132,11 @@ void check_method(const Input& input, std::vector<Diagnostic>& problems) {
     const bool sph_given = effective(static_cast<const sph::SphOptions&>(input.method)) != effective(sph::SphOptions{});
     if (input.on_grid() && sph_given) {
         problems.push_back({where, "method.kind is grid, and options of sph are given", "they would be ignored",
-                            "leave them out; those of the grid stand in method.grid"});
+            "leave them out; those of the grid stand in method.grid"});
     }
     if (!input.on_grid() && effective(input.method.grid) != effective(grid::GridOptions{})) {
         problems.push_back({where, "method.grid is given, and method.kind is sph", "its options would be ignored",
-                            "write method.kind: grid, or leave method.grid out"});
+            "write method.kind: grid, or leave method.grid out"});
     }
 }
 
@@ -147,12 +148,12 @@ void check_grid(const Input& input, std::vector<Diagnostic>& problems) {
     for (const auto& liquid : input.scene.liquids) {
         if (liquid.density != input.scene.liquids.front().density) {
             refuse(liquid.where, "liquids." + liquid.name + ": another density than that of the first liquid",
-                   "give all the same, or take method.kind: sph");
+                "give all the same, or take method.kind: sph");
         }
     }
     if (input.scene.time.cfl > largest_grid_cfl) {
-        problems.push_back({input.scene.time.where, "time.cfl is above 3", "the arrays of method grid reach three cells beyond a rank's own",
-                            "take 3 or less"});
+        problems.push_back({input.scene.time.where, "time.cfl is above 3",
+            "the arrays of method grid reach three cells beyond a rank's own", "take 3 or less"});
     }
     for (std::size_t k = 0; k < domain_sides; ++k) {
         const auto& face = input.scene.domain.faces[k];
@@ -176,8 +177,8 @@ void check_supported(const Input& input) {
         return;
     }
     if (input.scene.time.cfl > 1) {
-        problems.push_back({input.scene.time.where, "time.cfl is above 1", "particles of method sph would jump over their neighbours",
-                            "0.2 is usual"});
+        problems.push_back({input.scene.time.where, "time.cfl is above 1",
+            "particles of method sph would jump over their neighbours", "0.2 is usual"});
     }
     if (sph::differ(liquid_materials(input))) check_comparators(input, problems);
     check_surface_tension(input, problems);
@@ -194,14 +195,15 @@ std::vector<std::string> method_notes(const Input& input) {
     if (ratio > sure_density_ratio) {
         const auto [given, bound] = tell_apart(ratio, sure_density_ratio);
         notes.push_back("liquids: " + heavy.name + " has " + given + " times the density of " + light.name +
-                        "; what was measured ends at " + bound +
-                        " times, beyond that take smaller steps and compare");
+                        "; what was measured ends at " + bound + " times, beyond that take smaller steps and compare");
     }
     const bool modelled = input.method.surface_tension.model != sph::SurfaceTensionModel::none;
     for (const auto& liquid : input.scene.liquids) {
         if (liquid.surface_tension == 0 || modelled) continue;
-        notes.push_back("liquids." + liquid.name + ": method.surface_tension.model is none, which does not model the surface "
-                        "tension of " + liquid.material);
+        notes.push_back("liquids." + liquid.name +
+                        ": method.surface_tension.model is none, which does not model the surface "
+                        "tension of " +
+                        liquid.material);
     }
     return notes;
 }

@@ -23,7 +23,9 @@ bool is_straight(const scene::Shape& shape, std::size_t axis) {
 } // namespace
 
 bool may_turn(const scene::Body& body, std::size_t axis, int dimensions) {
-    const auto turns = [&](const scene::Keyframe& frame) { return frame.rotation_angle != 0 && !along(frame.rotation_axis, axis); };
+    const auto turns = [&](const scene::Keyframe& frame) {
+        return frame.rotation_angle != 0 && !along(frame.rotation_axis, axis);
+    };
     if (body.kind == scene::BodyKind::fixed) return false;
     if (!along(body.angular_velocity, axis) || std::ranges::any_of(body.keyframes, turns)) return true;
     if (body.kind != scene::BodyKind::dynamic) return false;
@@ -38,8 +40,9 @@ Axes spanned_axes(const scene::Body& body, const scene::SolidRegion& region, con
     const auto bounds = region.bounds();
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
         const double period = domain.max[k] - domain.min[k], length = bounds.max[k] - bounds.min[k];
-        out[k] = domain.faces[2 * k].kind == scene::BoundaryKind::periodic && std::fabs(length - period) <= touching * domain.spacing &&
-                 is_straight(body.shape, k) && !may_turn(body, k, domain.dimensions);
+        out[k] = domain.faces[2 * k].kind == scene::BoundaryKind::periodic &&
+                 std::fabs(length - period) <= touching * domain.spacing && is_straight(body.shape, k) &&
+                 !may_turn(body, k, domain.dimensions);
     }
     return out;
 }

@@ -53,7 +53,8 @@ Unevenness unevenness(const Group& group, const scene::Domain& domain, const Mir
     for (int i = 0; i < points * points * layers; ++i) {
         const std::array<int, 3> at{i % points, i / points % points, i / points / points};
         Vec3 x{};
-        for (std::size_t c = 0; c < std::size_t(domain.dimensions); ++c) x[c] = whole.min[c] + (at[c] + 0.5) / points * (whole.max[c] - whole.min[c]);
+        for (std::size_t c = 0; c < std::size_t(domain.dimensions); ++c)
+            x[c] = whole.min[c] + (at[c] + 0.5) / points * (whole.max[c] - whole.min[c]);
         const auto image = image_of(x, mirror);
         const double here = group.distance(x), there = group.distance(image), difference = std::abs(here - there);
         if (difference > out.difference) out = {difference, here < there ? x : image};
@@ -63,14 +64,16 @@ Unevenness unevenness(const Group& group, const scene::Domain& domain, const Mir
 
 class SymmetryCheck {
 public:
-    SymmetryCheck(const Input& input, const MirrorPlane& mirror, std::vector<Diagnostic>& problems) : input_(input), mirror_(mirror), problems_(problems) {}
+    SymmetryCheck(const Input& input, const MirrorPlane& mirror, std::vector<Diagnostic>& problems)
+        : input_(input), mirror_(mirror), problems_(problems) {}
 
     void run() {
         const auto& scene = input_.scene;
         std::vector<Group> groups(scene.liquids.size() + 1);
         for (std::size_t k = 0; k < scene.liquids.size(); ++k) {
             const auto& liquid = scene.liquids[k];
-            for (const auto& shape : liquid.shapes) groups[k].add("liquids." + liquid.name, shape, scene.domain.dimensions);
+            for (const auto& shape : liquid.shapes)
+                groups[k].add("liquids." + liquid.name, shape, scene.domain.dimensions);
         }
         for (const auto& body : scene.bodies) {
             groups.back().add("bodies." + body.name, body.shape, scene.domain.dimensions);
@@ -103,12 +106,16 @@ private:
         const auto worst = unevenness(group, input_.scene.domain, mirror_);
         if (worst.difference <= allowed * input_.scene.domain.spacing) return;
         const auto which = group.nearest(worst.at);
-        problems_.push_back({group.places[which], group.owners[which] + " is not its own mirror image " + across(mirror_), "the scene is mirrored there, and half of it is run",
-                             "move it so that the mirror goes through its middle, add its image, or remove the axis from domain.symmetry"});
+        problems_.push_back(
+            {group.places[which], group.owners[which] + " is not its own mirror image " + across(mirror_),
+                "the scene is mirrored there, and half of it is run",
+                "move it so that the mirror goes through its middle, add its image, or remove the axis from "
+                "domain.symmetry"});
     }
 
     void moves(const std::string& where, const std::string& owner) {
-        problems_.push_back({where, owner + " moves " + across(mirror_), "its mirror image would move the other way", "remove the axis from domain.symmetry"});
+        problems_.push_back({where, owner + " moves " + across(mirror_), "its mirror image would move the other way",
+            "remove the axis from domain.symmetry"});
     }
 
     void motion_of(const scene::Liquid& liquid) {
@@ -116,7 +123,8 @@ private:
         const auto k = mirror_.axis;
         const auto gradient = liquid.initial_gradient();
         bool across_it = liquid.velocity[k] != 0;
-        for (std::size_t j = 0; j < 3; ++j) across_it = across_it || (j != k && (gradient[j][k] != 0 || gradient[k][j] != 0));
+        for (std::size_t j = 0; j < 3; ++j)
+            across_it = across_it || (j != k && (gradient[j][k] != 0 || gradient[k][j] != 0));
         if (across_it) moves(liquid.where, "liquids." + liquid.name);
     }
 
@@ -124,12 +132,14 @@ private:
     void motion_of(const scene::Body& body) {
         const auto k = mirror_.axis;
         const auto bounds = scene::SolidRegion(body.shape, input_.scene.domain.dimensions).bounds();
-        if (body.kind != scene::BodyKind::kinematic || bounds.min[k] >= mirror_.place || bounds.max[k] <= mirror_.place) return;
+        if (body.kind != scene::BodyKind::kinematic || bounds.min[k] >= mirror_.place || bounds.max[k] <= mirror_.place)
+            return;
         bool across_it = body.velocity[k] != 0;
         for (std::size_t j = 0; j < 3; ++j) across_it = across_it || (j != k && body.angular_velocity[j] != 0);
         for (const auto& frame : body.keyframes) {
             across_it = across_it || frame.translation[k] != 0;
-            for (std::size_t j = 0; j < 3; ++j) across_it = across_it || (j != k && frame.rotation_angle != 0 && frame.rotation_axis[j] != 0);
+            for (std::size_t j = 0; j < 3; ++j)
+                across_it = across_it || (j != k && frame.rotation_angle != 0 && frame.rotation_axis[j] != 0);
         }
         if (across_it) moves(body.where, "bodies." + body.name);
     }

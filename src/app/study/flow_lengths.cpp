@@ -19,7 +19,7 @@ constexpr double least_bond = 10, least_cells = 4;
 
 struct Hole {
     double radius = std::numeric_limits<double>::infinity(); // [m]
-    double height = 0;                                        // [m] of its middle, against gravity
+    double height = 0;                                       // [m] of its middle, against gravity
 };
 
 // The narrowest round hole in a shape; an infinite one where there is none.
@@ -42,7 +42,8 @@ double fallen_radius(double radius, double speed, double fall) {
 // Width [m] of a channel along x: between walls at both ends of y, in two dimensions 1. None where the liquid spreads all round.
 std::optional<double> channel_width(const scene::Domain& domain) {
     if (domain.dimensions == 2) return 1;
-    const bool walls = domain.faces[2].kind == scene::BoundaryKind::wall && domain.faces[3].kind == scene::BoundaryKind::wall;
+    const bool walls =
+        domain.faces[2].kind == scene::BoundaryKind::wall && domain.faces[3].kind == scene::BoundaryKind::wall;
     return walls ? std::optional(domain.max[1] - domain.min[1]) : std::nullopt;
 }
 
@@ -81,7 +82,8 @@ std::vector<FlowLength> flow_lengths(const Input& input) {
         holes = true;
         out.push_back({"hole of " + body.name, hole.radius, 2 * hole.radius});
         // Its speed by the loss at the entrance and a length of a diameter.
-        const double flow = identify::outflow({liquid.density, hole.radius, 2 * hole.radius, height, 1}) / liquid.viscosity;
+        const double flow =
+            identify::outflow({liquid.density, hole.radius, 2 * hole.radius, height, 1}) / liquid.viscosity;
         const double speed = flow / (std::numbers::pi * hole.radius * hole.radius);
         const double thread = fallen_radius(hole.radius, speed, hole.height - scene.domain.min[up]);
         out.push_back({"thread below it, falling freely", thread, 2 * thread});
@@ -93,7 +95,8 @@ std::vector<FlowLength> flow_lengths(const Input& input) {
     }
     if (height > 0) out.push_back({"layer at the start", height, height});
     const double thickness = holes || !scene.inlets.empty() ? 0 : spread_thickness(input, geometry);
-    if (thickness > 0) out.push_back({"layer at the end, spread out", std::min(thickness, height), std::min(thickness, height)});
+    if (thickness > 0)
+        out.push_back({"layer at the end, spread out", std::min(thickness, height), std::min(thickness, height)});
     return out;
 }
 
@@ -103,18 +106,26 @@ std::vector<LabelledLine> flow_length_lines(const Input& input) {
     const double tension = liquid.surface_tension > 0 ? liquid.surface_tension : usual_tension;
     const double capillary = std::sqrt(tension / (liquid.density * identify::gravity));
     std::vector<LabelledLine> out;
-    out.emplace_back("capillary length", short_number(1e3 * capillary) + " mm, " + short_number(capillary / spacing) + " cells, with a surface tension of " +
-                  short_number(tension) + " N/m" + (liquid.surface_tension > 0 ? "" : ", that of many liquids: the scene has none"));
+    out.emplace_back(
+        "capillary length", short_number(1e3 * capillary) + " mm, " + short_number(capillary / spacing) +
+                                " cells, with a surface tension of " + short_number(tension) + " N/m" +
+                                (liquid.surface_tension > 0 ? "" : ", that of many liquids: the scene has none"));
     std::vector<LabelledLine> warnings;
     for (const auto& one : flow_lengths(input)) {
         const double bond = std::pow(one.length / capillary, 2), cells = one.across / spacing;
-        out.emplace_back(one.name, short_number(1e3 * one.across) + " mm, " + short_number(cells) + " cells across, Bond number " + short_number(bond));
+        out.emplace_back(one.name, short_number(1e3 * one.across) + " mm, " + short_number(cells) +
+                                       " cells across, Bond number " + short_number(bond));
         if (bond < least_bond) {
-            warnings.emplace_back("", "warning: " + one.name + ": a Bond number of " + short_number(bond) + " is below 10: surface tension matters there" +
-                               (liquid.surface_tension > 0 ? "" : "; give liquids." + liquid.name + ".surface_tension") + ", or leave those frames out");
+            warnings.emplace_back(
+                "", "warning: " + one.name + ": a Bond number of " + short_number(bond) +
+                        " is below 10: surface tension matters there" +
+                        (liquid.surface_tension > 0 ? "" : "; give liquids." + liquid.name + ".surface_tension") +
+                        ", or leave those frames out");
         }
         if (cells < least_cells) {
-            warnings.emplace_back("", "warning: " + one.name + ": " + short_number(cells) + " cells across are fewer than 4: refine domain.spacing, or leave those frames out");
+            warnings.emplace_back(
+                "", "warning: " + one.name + ": " + short_number(cells) +
+                        " cells across are fewer than 4: refine domain.spacing, or leave those frames out");
         }
     }
     out.insert(out.end(), warnings.begin(), warnings.end());

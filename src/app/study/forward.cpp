@@ -32,8 +32,8 @@ void read_asked(const std::filesystem::path& folder, Asked& out) {
     std::vector<std::string> names;
     for (const auto& parameter : study.parameters) names.push_back(parameter.name);
     if (scene == study.scenes.end() || names != out.request.parameters) {
-        throw InputError({where, "does not fit " + out.request.study.string(), "the study's scenes or parameters have changed since it was written",
-                          "ask for the runs again"});
+        throw InputError({where, "does not fit " + out.request.study.string(),
+            "the study's scenes or parameters have changed since it was written", "ask for the runs again"});
     }
     out.scene = &*scene;
     const StudyScenes scenes(out.file);
@@ -43,13 +43,13 @@ void read_asked(const std::filesystem::path& folder, Asked& out) {
     const auto key = study::run_key(scenes.read(path, assignments), study.runs.ranks, study::program_identity());
     if (out.request.run.key.empty()) out.request.run.key = key;
     if (out.request.run.key != key) {
-        throw InputError({where, "asks for another run than its scene gives now", "the scene, a mesh, the study or this program has changed since",
-                          "ask for the runs again"});
+        throw InputError({where, "asks for another run than its scene gives now",
+            "the scene, a mesh, the study or this program has changed since", "ask for the runs again"});
     }
 }
 
 double peak_bytes(const Comm& comm) {
-    struct rusage usage{};
+    struct rusage usage {};
     getrusage(RUSAGE_SELF, &usage);
     return comm.sum(1024.0 * double(usage.ru_maxrss));
 }
@@ -80,7 +80,8 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
     const auto code = run_scene(comm, request);
     if (code != ExitCode::ok) return code;
     const auto bound = watch ? watch->bound() : std::nullopt;
-    if (!bound) compare_with_experiments(comm, asked.file, *asked.scene, folder, watch ? &watch->comparisons() : nullptr);
+    if (!bound)
+        compare_with_experiments(comm, asked.file, *asked.scene, folder, watch ? &watch->comparisons() : nullptr);
     const double peak = peak_bytes(comm);
     comm.guard_root([&] {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -97,8 +98,9 @@ ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Com
         read_asked(folder, asked);
         if (comm.size() != asked.file.study.runs.ranks) {
             throw InputError({folder.string(), "is run on " + std::to_string(comm.size()) + " ranks",
-                              "the study's runs have " + std::to_string(asked.file.study.runs.ranks) + " (runs.ranks), and digits may differ between numbers of ranks",
-                              "start it with mpiexec -n " + std::to_string(asked.file.study.runs.ranks) + ", or change the study"});
+                "the study's runs have " + std::to_string(asked.file.study.runs.ranks) +
+                    " (runs.ranks), and digits may differ between numbers of ranks",
+                "start it with mpiexec -n " + std::to_string(asked.file.study.runs.ranks) + ", or change the study"});
         }
         const auto result = study::read_result(folder, asked.request.run.key);
         done = result && (!result->bound || *result->bound > asked.request.cut);
@@ -117,7 +119,8 @@ ExitCode forward_run(const Comm& comm, const std::filesystem::path& folder, cons
     try {
         return answer(comm, folder, company);
     } catch (const Error& error) {
-        if (comm.is_root() && std::filesystem::exists(folder / "params.yaml")) study::write_failure(folder, error.what());
+        if (comm.is_root() && std::filesystem::exists(folder / "params.yaml"))
+            study::write_failure(folder, error.what());
         throw;
     }
 }

@@ -22,7 +22,8 @@ struct HandedStudy {
         folder = study_folder(study.path, request.out);
         std::filesystem::create_directories(folder);
         lock = std::make_unique<io::FolderLock>(folder);
-        journal = std::make_unique<study::Journal>(study::Journal::open(folder, owner_of(study, study::program_identity())));
+        journal =
+            std::make_unique<study::Journal>(study::Journal::open(folder, owner_of(study, study::program_identity())));
         for (const auto& one : candidates) {
             const auto* known = journal->find(one.key);
             const auto number = known ? known->number : journal->ask(one.scene, one.values, one.key).number;
@@ -43,12 +44,16 @@ std::filesystem::path write_dakota_request(const DakotaRequest& request) {
     const auto file = load_checked_study(request.study);
     const auto& study = file.study;
     const auto read = study::read_dakota_parameters(request.parameters);
-    if (study.scenes.size() != 1) throw InputError({study.path.string(), "has several scenes", "an evaluation of Dakota's is one run", "write a study for each"});
+    if (study.scenes.size() != 1)
+        throw InputError({study.path.string(), "has several scenes", "an evaluation of Dakota's is one run",
+            "write a study for each"});
     study::RunRequest run{read.evaluation, study.scenes.front().name, {}, ""};
     for (const auto& parameter : study.parameters) {
-        const auto found = std::ranges::find(read.variables, parameter.name, &std::pair<std::string, std::string>::first);
+        const auto found =
+            std::ranges::find(read.variables, parameter.name, &std::pair<std::string, std::string>::first);
         if (found == read.variables.end()) {
-            throw InputError({request.parameters.string(), "has no variable " + parameter.name, parameter.where + " asks for it", "name Dakota's descriptors after the study's parameters"});
+            throw InputError({request.parameters.string(), "has no variable " + parameter.name,
+                parameter.where + " asks for it", "name Dakota's descriptors after the study's parameters"});
         }
         const auto number = read_number(found->second);
         run.values.push_back(number ? parameter.word(*number) : found->second);
@@ -63,7 +68,8 @@ std::filesystem::path write_dakota_request(const DakotaRequest& request) {
 
 ExitCode ask_runs(const SweepRequest& request, int count, const std::filesystem::path& folder) {
     const HandedStudy handed(request);
-    const auto given = study::hand_out(handed.study, *handed.journal, handed.numbers, count, std::filesystem::absolute(folder).lexically_normal(), request.retry_failed);
+    const auto given = study::hand_out(handed.study, *handed.journal, handed.numbers, count,
+        std::filesystem::absolute(folder).lexically_normal(), request.retry_failed);
     Log log(LogOutput::enabled);
     if (given.empty()) {
         log.line("no run is left to hand out");
@@ -80,8 +86,9 @@ ExitCode tell_runs(const SweepRequest& request, const std::filesystem::path& fol
     const auto taken = study::take_in(handed.study, *handed.journal, folder);
     Log log(LogOutput::enabled);
     for (const auto& one : taken.left) log.warn(one);
-    log.line(std::to_string(taken.done) + " runs done, " + std::to_string(taken.failed) + " failed, " + std::to_string(taken.known) + " known before, " +
-             std::to_string(taken.open) + " still out, " + std::to_string(taken.left.size()) + " folders left alone");
+    log.line(std::to_string(taken.done) + " runs done, " + std::to_string(taken.failed) + " failed, " +
+             std::to_string(taken.known) + " known before, " + std::to_string(taken.open) + " still out, " +
+             std::to_string(taken.left.size()) + " folders left alone");
     return write_results(handed.study, *handed.journal, handed.numbers, handed.folder, log);
 }
 
@@ -99,7 +106,8 @@ ExitCode evaluate_for_dakota(const Comm& comm, const DakotaRequest& request) {
     }
     comm.guard_root([&] {
         if (code != ExitCode::ok) return fail();
-        std::filesystem::copy_file(std::filesystem::path(folder) / "results.out", request.results, std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::copy_file(std::filesystem::path(folder) / "results.out", request.results,
+            std::filesystem::copy_options::overwrite_existing);
     });
     return code;
 }
@@ -110,7 +118,8 @@ std::filesystem::path folder_of_array_task(const std::filesystem::path& folder) 
         const auto number = text ? read_number(text) : std::nullopt;
         if (number && *number >= 0) return folder / study::request_folder(std::int64_t(*number));
     }
-    throw InputError({"--array-task", "is no task of a job array", "neither SLURM_ARRAY_TASK_ID nor PBS_ARRAY_INDEX is set", "name the run's folder itself"});
+    throw InputError({"--array-task", "is no task of a job array",
+        "neither SLURM_ARRAY_TASK_ID nor PBS_ARRAY_INDEX is set", "name the run's folder itself"});
 }
 
 } // namespace treacle::app

@@ -24,7 +24,8 @@ std::map<std::string, double> deviations_of(const std::filesystem::path& result)
     for (std::string line; std::getline(text, line);) {
         const bool part = line.starts_with("      ");
         if (inside && !part) break;
-        if (const auto colon = line.find(": "); inside && colon != std::string::npos) out[line.substr(6, colon - 6)] = read_number(line.substr(colon + 2)).value_or(0);
+        if (const auto colon = line.find(": "); inside && colon != std::string::npos)
+            out[line.substr(6, colon - 6)] = read_number(line.substr(colon + 2)).value_or(0);
         inside = inside || line.starts_with("    deviations:");
     }
     return out;
@@ -34,8 +35,8 @@ std::string percent(double value) { return short_number(std::round(1000 * value)
 
 struct Part {
     const study::Parameter* parameter = nullptr;
-    double deviation = 0;           // in its unit
-    std::optional<double> effect;   // standard deviation that it adds to the logarithm
+    double deviation = 0;         // in its unit
+    std::optional<double> effect; // standard deviation that it adds to the logarithm
 };
 } // namespace
 
@@ -58,7 +59,8 @@ std::vector<LabelledLine> measured_shares(const identify::StudyFile& file, const
     sum += file.temperature.deviation() * file.temperature.deviation();
     const auto all = found.find("all");
     const double total = all == found.end() ? sum + usual_rest * usual_rest : std::max(sum, all->second * all->second);
-    std::vector<LabelledLine> out{{"", std::string("measured values, one standard deviation each, ") + (found.empty() ? "by textbook powers" : "by " + result.string())}};
+    std::vector<LabelledLine> out{{"", std::string("measured values, one standard deviation each, ") +
+                                           (found.empty() ? "by textbook powers" : "by " + result.string())}};
     for (const auto& part : parts) {
         const auto& parameter = *part.parameter;
         auto line = parameter.values.front() + " +- " + parameter.word(part.deviation) + ": ";
@@ -66,14 +68,21 @@ std::vector<LabelledLine> measured_shares(const identify::StudyFile& file, const
             out.emplace_back(parameter.name, line + "not known before a run of its own");
             continue;
         }
-        line += percent(*part.effect) + " of " + file.study.parameters.front().name + ", " + percent(*part.effect * *part.effect / total) + " of its variance";
-        if (*part.effect > aim) line += "; measure it to +- " + identify::digits(part.deviation * aim / *part.effect, 2) + (parameter.unit.empty() ? "" : " " + parameter.unit) + " for 1 %";
+        line += percent(*part.effect) + " of " + file.study.parameters.front().name + ", " +
+                percent(*part.effect * *part.effect / total) + " of its variance";
+        if (*part.effect > aim)
+            line += "; measure it to +- " + identify::digits(part.deviation * aim / *part.effect, 2) +
+                    (parameter.unit.empty() ? "" : " " + parameter.unit) + " for 1 %";
         out.emplace_back(parameter.name, line);
     }
     const double warmth = file.temperature.deviation();
-    out.emplace_back("temperature", file.temperature.text() + (warmth > 0 ? ": " + percent(warmth) + " of " + file.study.parameters.front().name + ", " + percent(warmth * warmth / total) + " of its variance" : ""));
+    out.emplace_back("temperature",
+        file.temperature.text() + (warmth > 0 ? ": " + percent(warmth) + " of " + file.study.parameters.front().name +
+                                                    ", " + percent(warmth * warmth / total) + " of its variance"
+                                              : ""));
     const double rest = std::max(0.0, total - sum);
-    out.emplace_back("film, camera, resolution", percent(std::sqrt(rest)) + ", " + percent(rest / total) + " of its variance" + (all == found.end() ? ", as is usual" : ""));
+    out.emplace_back("film, camera, resolution", percent(std::sqrt(rest)) + ", " + percent(rest / total) +
+                                                     " of its variance" + (all == found.end() ? ", as is usual" : ""));
     out.emplace_back("90 % interval", "about +- " + percent(1.645 * std::sqrt(total)));
     return out;
 }

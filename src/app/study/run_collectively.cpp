@@ -59,8 +59,7 @@ Failure current_failure(int rank) {
 
 } // namespace
 
-ExitCode run_collectively(const Comm& comm, const std::function<ExitCode()>& command,
-                      std::chrono::seconds timeout) {
+ExitCode run_collectively(const Comm& comm, const std::function<ExitCode()>& command, std::chrono::seconds timeout) {
     const Comm farewell = comm.split(0); // no message of the command can be taken for one of these
     ExitCode code = ExitCode::ok;
     std::optional<LastResort> last_resort;

@@ -1,7 +1,7 @@
 #include "app/study/split_sweep.hpp"
 
-#include "app/study/run_collectively.hpp"
 #include "app/study/forward.hpp"
+#include "app/study/run_collectively.hpp"
 #include "base/text/log.hpp"
 #include "mpi/mailbox.hpp"
 #include "study/lanes/forward_files.hpp"
@@ -41,7 +41,8 @@ struct Ended {
 class HandOut {
 public:
     HandOut(study::StudyRuns& runs, std::vector<std::int64_t> all, bool retry_failed, int groups, Log& log)
-        : runs_(runs), all_(std::move(all)), waiting_(runs.longest_first(runs.waiting(all_, retry_failed))), groups_(groups), log_(log) {}
+        : runs_(runs), all_(std::move(all)), waiting_(runs.longest_first(runs.waiting(all_, retry_failed))),
+          groups_(groups), log_(log) {}
 
     // The next run's number, its folder written; none_left when there is none or the study is to stop.
     std::int64_t next(const Ended& last) {
@@ -56,7 +57,8 @@ public:
     void report() {
         std::vector<study::LaneProgress> running;
         for (const auto& [number, start] : under_way_) {
-            running.push_back({number, 0, 0, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+            running.push_back(
+                {number, 0, 0, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
         }
         runs_.report(all_, waiting_.size(), std::move(running), groups_);
     }
@@ -75,7 +77,8 @@ private:
         result.seconds = last.seconds;
         result.lane = last.group;
         runs_.finish(result);
-        log_.line("run " + std::to_string(last.number) + " " + study::word(runs_.journal().outcome(last.number)->status));
+        log_.line(
+            "run " + std::to_string(last.number) + " " + study::word(runs_.journal().outcome(last.number)->status));
     }
 
     study::StudyRuns& runs_;
@@ -89,7 +92,9 @@ private:
 
 class Groups {
 public:
-    Groups(const Comm& comm, int ranks) : comm_(comm), group_(comm.split(comm.rank() / ranks)), ranks_(ranks), mail_(comm), open_(comm.size() / ranks - 1) {}
+    Groups(const Comm& comm, int ranks)
+        : comm_(comm), group_(comm.split(comm.rank() / ranks)), ranks_(ranks), mail_(comm),
+          open_(comm.size() / ranks - 1) {}
 
     // `hand_out` on rank 0 alone.
     void work(HandOut* hand_out, const std::filesystem::path& folder) {
@@ -104,7 +109,8 @@ public:
                 if (hand_out) answer(*hand_out);
             };
             const auto code = run_collectively(group_, [&] {
-                return forward_run(group_, folder / "runs" / study::request_folder(number), {LogOutput::disabled, serve});
+                return forward_run(
+                    group_, folder / "runs" / study::request_folder(number), {LogOutput::disabled, serve});
             });
             last.number = number;
             last.code = static_cast<int>(code);
@@ -140,10 +146,15 @@ private:
 
 // Study and hand-out, on rank 0 alone.
 struct Desk {
-    Desk(const study::Study& study, const std::vector<study::Candidate>& candidates, const std::filesystem::path& folder, const SweepRequest& request, int groups)
-        : runs(study, {folder, this_program(), [this, &study, folder] { write_tables(folder, table_of(study, runs.journal(), numbers)); }}, log),
+    Desk(const study::Study& study, const std::vector<study::Candidate>& candidates,
+        const std::filesystem::path& folder, const SweepRequest& request, int groups)
+        : runs(study,
+              {folder, this_program(),
+                  [this, &study, folder] { write_tables(folder, table_of(study, runs.journal(), numbers)); }},
+              log),
           numbers(ask_once(runs, candidates)), hand_out(runs, numbers, request.retry_failed, groups, log) {
-        log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(groups) + " groups of ranks in " + folder.string());
+        log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(groups) + " groups of ranks in " +
+                 folder.string());
     }
     Log log{LogOutput::enabled};
     study::StudyRuns runs;
@@ -160,8 +171,8 @@ ExitCode sweep_on_groups(const Comm& comm, const SweepRequest& request) {
         file = load_checked_study(request.study, request.overrides);
         if (comm.size() % study.runs.ranks == 0) return;
         throw InputError({study.path.string() + ": runs.ranks = " + std::to_string(study.runs.ranks),
-                          "does not divide the " + std::to_string(comm.size()) + " ranks of the program", "each run has a group of ranks to itself",
-                          "start a multiple of runs.ranks"});
+            "does not divide the " + std::to_string(comm.size()) + " ranks of the program",
+            "each run has a group of ranks to itself", "start a multiple of runs.ranks"});
     });
     const auto folder = study_folder(study.path, request.out);
     std::unique_ptr<Desk> desk;

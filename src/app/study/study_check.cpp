@@ -28,7 +28,8 @@ void print_lines(const std::vector<LabelledLine>& lines) {
 
 std::string values_of(const study::Parameter& parameter) {
     const auto& ends = parameter.range;
-    return ends.empty() ? join(parameter.values, ", ") : ends.front() + " to " + ends.back() + (parameter.scale == study::Scale::log ? ", log" : "");
+    return ends.empty() ? join(parameter.values, ", ")
+                        : ends.front() + " to " + ends.back() + (parameter.scale == study::Scale::log ? ", log" : "");
 }
 
 void print_runs(const identify::StudyFile& file) {
@@ -52,8 +53,11 @@ void leave_out_unfilmed(identify::StudyFile& file) {
         if (one.kind == identify::ExperimentKind::piv) return file.beside(one.piv.files.front());
         return file.beside(one.kind == identify::ExperimentKind::series ? one.series.file : one.masks);
     };
-    const auto unfilmed = [&](const identify::Experiment& one) { return one.kind != identify::ExperimentKind::piv && !std::filesystem::exists(source(one)); };
-    for (const auto& one : file.experiments) row("experiment " + one.name, source(one).string() + (unfilmed(one) ? " (not there yet)" : ""));
+    const auto unfilmed = [&](const identify::Experiment& one) {
+        return one.kind != identify::ExperimentKind::piv && !std::filesystem::exists(source(one));
+    };
+    for (const auto& one : file.experiments)
+        row("experiment " + one.name, source(one).string() + (unfilmed(one) ? " (not there yet)" : ""));
     std::erase_if(file.experiments, unfilmed);
 }
 
@@ -62,7 +66,8 @@ void print_flow_lengths(const identify::StudyFile& file) {
     std::vector<std::string> given;
     for (std::size_t i = 0; i < file.searched + file.measured; ++i) {
         const auto& one = file.study.parameters[i];
-        if (i >= file.searched || !one.start.empty()) given.push_back(one.key + "=" + (i < file.searched ? one.start : one.values.front()));
+        if (i >= file.searched || !one.start.empty())
+            given.push_back(one.key + "=" + (i < file.searched ? one.start : one.values.front()));
     }
     for (const auto& scene : file.study.scenes) {
         std::vector<std::string> spacings;
@@ -94,9 +99,12 @@ void check_study(const std::filesystem::path& file, const std::vector<std::strin
     std::printf("study%s%s\n", study.title.empty() ? "" : ": ", study.title.c_str());
     for (const auto& scene : study.scenes) row("scene " + scene.name, study.scene_file(scene).string());
     const bool identifies = !checked.experiments.empty();
-    for (std::size_t i = 0; i < checked.searched; ++i) row("parameter " + study.parameters[i].name, study.parameters[i].key + ": " + values_of(study.parameters[i]));
-    for (const auto& one : study.measured) row("measured " + one.name, one.key + ": " + one.value + " +- " + one.plus_minus);
-    for (const auto& one : study.read) row("figure " + one.name, one.measurement.empty() ? one.table + ": " + one.column : one.measurement);
+    for (std::size_t i = 0; i < checked.searched; ++i)
+        row("parameter " + study.parameters[i].name, study.parameters[i].key + ": " + values_of(study.parameters[i]));
+    for (const auto& one : study.measured)
+        row("measured " + one.name, one.key + ": " + one.value + " +- " + one.plus_minus);
+    for (const auto& one : study.read)
+        row("figure " + one.name, one.measurement.empty() ? one.table + ": " + one.column : one.measurement);
     if (identifies) {
         const auto measured = measured_shares(checked, study_folder(study.path, {}) / "report" / "result.yaml");
         leave_out_unfilmed(checked);

@@ -24,7 +24,8 @@ study::Study study_of_folder(const std::filesystem::path& folder, const Journal&
     }
     study::Study out;
     if (!journal.runs().empty()) out.parameters.resize(journal.runs().front().values.size());
-    for (std::size_t i = 0; i < out.parameters.size(); ++i) out.parameters[i].name = "parameter " + std::to_string(i + 1);
+    for (std::size_t i = 0; i < out.parameters.size(); ++i)
+        out.parameters[i].name = "parameter " + std::to_string(i + 1);
     return out;
 }
 
@@ -32,9 +33,10 @@ study::Study study_of_folder(const std::filesystem::path& folder, const Journal&
 int merge(Journal& journal, const std::filesystem::path& other_folder) {
     const auto other = Journal::read(other_folder);
     if (other.owner().study != journal.owner().study || other.owner().program != journal.owner().program) {
-        throw InputError({(other_folder / Journal::file_name).string() + ":1", "is the journal of another study or program",
-                          "its runs have other parameters, or were done by " + other.owner().program,
-                          "runs of equal scenes count by their content: write its folder into runs.reuse"});
+        throw InputError(
+            {(other_folder / Journal::file_name).string() + ":1", "is the journal of another study or program",
+                "its runs have other parameters, or were done by " + other.owner().program,
+                "runs of equal scenes count by their content: write its folder into runs.reuse"});
     }
     int taken = 0;
     for (const auto& run : other.runs()) {
@@ -45,7 +47,10 @@ int merge(Journal& journal, const std::filesystem::path& other_folder) {
         if (here && here->status == RunStatus::done) continue;
         auto copy = *outcome;
         copy.number = known ? known->number : journal.ask(run.scene, run.values, run.key, run.changes).number;
-        if (copy.folder.empty()) copy.folder = (std::filesystem::absolute(other_folder) / "runs" / study::request_folder(run.number)).lexically_normal().string();
+        if (copy.folder.empty())
+            copy.folder = (std::filesystem::absolute(other_folder) / "runs" / study::request_folder(run.number))
+                              .lexically_normal()
+                              .string();
         journal.finish(copy);
         ++taken;
     }
@@ -55,8 +60,8 @@ int merge(Journal& journal, const std::filesystem::path& other_folder) {
 int drop(Journal& journal, const std::filesystem::path& folder, const std::string& which) {
     const auto wanted = read_number(which);
     if (which != "failed" && (!wanted || *wanted < 1 || *wanted > double(journal.runs().size()))) {
-        throw InputError({"--drop " + which, "is no run of " + folder.string(), "they go from 1 to " + std::to_string(journal.runs().size()),
-                          "give a number, or failed"});
+        throw InputError({"--drop " + which, "is no run of " + folder.string(),
+            "they go from 1 to " + std::to_string(journal.runs().size()), "give a number, or failed"});
     }
     int dropped = 0;
     for (const auto& run : journal.runs()) {
@@ -64,7 +69,8 @@ int drop(Journal& journal, const std::filesystem::path& folder, const std::strin
         if (!outcome || (wanted ? double(run.number) != *wanted : !study::is_failure(outcome->status))) continue;
         journal.drop(run.number);
         journal.sync();
-        std::filesystem::remove_all(folder / "runs" / study::request_folder(run.number)); // or its result would be found again
+        std::filesystem::remove_all(
+            folder / "runs" / study::request_folder(run.number)); // or its result would be found again
         ++dropped;
     }
     return dropped;
@@ -73,7 +79,8 @@ int drop(Journal& journal, const std::filesystem::path& folder, const std::strin
 void change(const HistoryRequest& request, const std::filesystem::path& folder) {
     const io::FolderLock lock(folder);
     auto journal = Journal::open(folder, Journal::read(folder).owner());
-    if (!request.merge.empty()) std::printf("%d runs taken over from %s\n", merge(journal, request.merge), request.merge.c_str());
+    if (!request.merge.empty())
+        std::printf("%d runs taken over from %s\n", merge(journal, request.merge), request.merge.c_str());
     if (!request.drop.empty()) std::printf("%d runs dropped\n", drop(journal, folder, request.drop));
     journal.sync();
 }
@@ -84,7 +91,8 @@ ExitCode show_history(const HistoryRequest& request) {
     const auto folder = by_file ? study_folder(find_study(request.study), request.out) : request.study;
     if (!request.merge.empty() || !request.drop.empty()) change(request, folder);
     const auto journal = Journal::read(folder);
-    const auto study = by_file ? identify::load_study_file(find_study(request.study)).study : study_of_folder(folder, journal);
+    const auto study =
+        by_file ? identify::load_study_file(find_study(request.study)).study : study_of_folder(folder, journal);
     std::vector<std::int64_t> numbers(journal.runs().size());
     std::iota(numbers.begin(), numbers.end(), std::int64_t{1});
     const auto table = table_of(study, journal, numbers);

@@ -57,9 +57,11 @@ void check_memory(const study::Study& study, const std::vector<study::Candidate>
     if (one * lanes <= available) return;
     const auto bytes = [](double value) { return format_bytes(std::uint64_t(value)); };
     const int fitting = int(available / one);
-    throw InputError({study.path.string() + ": runs.lanes = " + std::to_string(lanes), "the runs do not fit in memory at once",
-                      "one needs about " + bytes(one) + ", and " + bytes(available) + " are free",
-                      fitting > 0 ? "write runs: {lanes: " + std::to_string(fitting) + "}" : "take a larger spacing, or a machine with more memory"});
+    throw InputError(
+        {study.path.string() + ": runs.lanes = " + std::to_string(lanes), "the runs do not fit in memory at once",
+            "one needs about " + bytes(one) + ", and " + bytes(available) + " are free",
+            fitting > 0 ? "write runs: {lanes: " + std::to_string(fitting) + "}"
+                        : "take a larger spacing, or a machine with more memory"});
 }
 
 } // namespace treacle::app

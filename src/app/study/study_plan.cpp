@@ -23,12 +23,14 @@ const study::StudyScene& scene_of(const study::Study& study, const std::string& 
 }
 
 // The study of the coarse run alone, in a folder of its own. A study that varies the spacing is not made coarser.
-identify::StudyFile coarse_study(const study::Study& study, const study::Candidate& candidate, double spacing, const std::filesystem::path& folder) {
+identify::StudyFile coarse_study(
+    const study::Study& study, const study::Candidate& candidate, double spacing, const std::filesystem::path& folder) {
     auto out = study;
     out.scenes = {scene_of(study, candidate.scene)};
     auto& scene = out.scenes.front();
     scene.file = study.scene_file(scene).string();
-    const bool varied = std::ranges::any_of(study.parameters, [](const auto& one) { return one.key == "domain.spacing"; });
+    const bool varied =
+        std::ranges::any_of(study.parameters, [](const auto& one) { return one.key == "domain.spacing"; });
     if (!varied) scene.set.push_back("domain.spacing=" + format_number(coarsening * spacing) + " m");
     out.sweep = {};
     out.sweep.design = study::Design::list;
@@ -51,8 +53,8 @@ MeasuredRun measure(const identify::StudyFile& file, const std::filesystem::path
     const auto end = runs.run(std::span(&number, 1), true);
     const auto* outcome = runs.journal().outcome(number);
     if (end == study::StudyEnd::stopped || !outcome || outcome->status != study::RunStatus::done) {
-        throw SimulationError({runs.run_folder(number).string(), "the coarse run was not done", outcome ? outcome->reason : "it was asked to stop",
-                               "its log.txt says more"});
+        throw SimulationError({runs.run_folder(number).string(), "the coarse run was not done",
+            outcome ? outcome->reason : "it was asked to stop", "its log.txt says more"});
     }
     const auto run = runs.run_folder(number) / "run";
     const auto steps = read_csv(run / "steps.csv");
@@ -73,7 +75,8 @@ MeasuredRun measure(const identify::StudyFile& file, const std::filesystem::path
         if (!none) out.bytes_by_step += double(size);
     }
     out.bytes_by_frame = folder_bytes(run / "frames");
-    out.bytes_fixed = folder_bytes(runs.run_folder(number)) - out.bytes_by_step - out.bytes_by_frame - folder_bytes(run / "checkpoints");
+    out.bytes_fixed = folder_bytes(runs.run_folder(number)) - out.bytes_by_step - out.bytes_by_frame -
+                      folder_bytes(run / "checkpoints");
     return out;
 }
 
@@ -86,11 +89,13 @@ std::string hours(double seconds) {
 
 RunSize run_size(const study::Study& study, const study::Candidate& candidate) {
     const auto& scene = scene_of(study, candidate.scene);
-    const auto input = load_scene(source_of(study.scene_file(scene), study::assignments_of(study, scene, candidate.values)));
+    const auto input =
+        load_scene(source_of(study.scene_file(scene), study::assignments_of(study, scene, candidate.values)));
     const auto geometry = build_geometry(input);
     const auto counts = estimate_particles(input, geometry);
     const auto estimates = estimate_run(input, geometry, counts.liquid, counts.solid);
-    return {double(counts.liquid) + estimates.poured + double(counts.solid), estimates.steps, input.scene.domain.spacing, input.scene.domain.dimensions};
+    return {double(counts.liquid) + estimates.poured + double(counts.solid), estimates.steps,
+        input.scene.domain.spacing, input.scene.domain.dimensions};
 }
 
 StudyPlan plan_of(const study::RunOptions& options, const MeasuredRun& measured, const std::vector<RunSize>& sizes) {
@@ -105,11 +110,13 @@ StudyPlan plan_of(const study::RunOptions& options, const MeasuredRun& measured,
         if (options.keep == study::Keep::everything) plan.bytes += measured.bytes_by_frame * particles;
     }
     plan.core_seconds = sum * options.ranks;
-    plan.seconds = sum / double(std::min<std::size_t>(std::size_t(study::lane_count(options)), std::max<std::size_t>(1, sizes.size())));
+    plan.seconds = sum / double(std::min<std::size_t>(
+                             std::size_t(study::lane_count(options)), std::max<std::size_t>(1, sizes.size())));
     return plan;
 }
 
-ExitCode plan_study(const std::filesystem::path& file, const std::filesystem::path& out, const std::vector<std::string>& overrides) {
+ExitCode plan_study(
+    const std::filesystem::path& file, const std::filesystem::path& out, const std::vector<std::string>& overrides) {
     const auto whole = load_checked_study(file, overrides);
     const auto& study = whole.study;
     auto candidates = sweep_candidates(whole);
@@ -123,10 +130,12 @@ ExitCode plan_study(const std::filesystem::path& file, const std::filesystem::pa
     const auto measured = measure(coarse_study(study, middle, sizes[candidates.size() / 2].spacing, folder), folder);
     const auto plan = plan_of(study.runs, measured, sizes);
     std::printf("one run of %.0f particles took %s, %s of it before its first step\n", measured.size.particles,
-                format_duration(measured.seconds).c_str(), format_duration(measured.start_seconds).c_str());
-    std::printf("runs        %zu\ncores       %s\ntime        %s on %d lanes of %d ranks\ndisk        %s\nmemory      %s a run\n", plan.runs,
-                hours(plan.core_seconds).c_str(), format_duration(plan.seconds).c_str(), study::lane_count(study.runs), study.runs.ranks,
-                format_bytes(std::uint64_t(plan.bytes)).c_str(), format_bytes(std::uint64_t(largest_run_memory(study, candidates))).c_str());
+        format_duration(measured.seconds).c_str(), format_duration(measured.start_seconds).c_str());
+    std::printf("runs        %zu\ncores       %s\ntime        %s on %d lanes of %d ranks\ndisk        %s\nmemory      "
+                "%s a run\n",
+        plan.runs, hours(plan.core_seconds).c_str(), format_duration(plan.seconds).c_str(),
+        study::lane_count(study.runs), study.runs.ranks, format_bytes(std::uint64_t(plan.bytes)).c_str(),
+        format_bytes(std::uint64_t(largest_run_memory(study, candidates))).c_str());
     return ExitCode::ok;
 }
 

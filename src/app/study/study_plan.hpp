@@ -36,6 +36,7 @@ StudyPlan plan_of(const study::RunOptions& options, const MeasuredRun& measured,
 
 // `treacle study plan`: does one coarse run of the study, of the candidate in the middle, and prints how many runs,
 // core-hours and bytes the sweep will take. Throws InputError, and SimulationError when that run fails.
-ExitCode plan_study(const std::filesystem::path& file, const std::filesystem::path& out, const std::vector<std::string>& overrides);
+ExitCode plan_study(
+    const std::filesystem::path& file, const std::filesystem::path& out, const std::vector<std::string>& overrides);
 
 } // namespace treacle::app

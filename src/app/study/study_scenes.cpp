@@ -33,15 +33,16 @@ const std::string& content_hash(const std::string& path) {
     return entry.hash;
 }
 
-void check_readings(const study::Study& study, const study::StudyScene& one, const Input& input, std::vector<Diagnostic>& problems) {
+void check_readings(
+    const study::Study& study, const study::StudyScene& one, const Input& input, std::vector<Diagnostic>& problems) {
     std::vector<std::string> names;
     for (const auto& measurement : input.scene.measurements) names.push_back(measurement.name);
     for (const auto& reading : study.read) {
         if (reading.measurement.empty() || std::ranges::find(names, reading.measurement) != names.end()) continue;
         const auto close = nearest(reading.measurement, names);
         problems.push_back({reading.where, "the scene " + one.name + " has no measurement " + reading.measurement,
-                            names.empty() ? "it has none at all" : "it has " + join(names, ", "),
-                            close ? "did you mean " + *close + "?" : "add it to the scene's `measurements`"});
+            names.empty() ? "it has none at all" : "it has " + join(names, ", "),
+            close ? "did you mean " + *close + "?" : "add it to the scene's `measurements`"});
     }
 }
 } // namespace
@@ -62,26 +63,31 @@ InputSource source_of(const std::filesystem::path& scene, const std::vector<stud
     return out;
 }
 
-InputSource StudyScenes::source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
+InputSource StudyScenes::source(
+    const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
     auto out = source_of(scene, assignments);
     if (const auto needs = needs_.find(scene); needs != needs_.end()) {
         for (const auto& one : needs->second.assignments) out.changes.push_back({one.text, one.origin});
         if (needs->second.step_per_spacing > 0) {
-            const double step = needs->second.step_per_spacing * load_scene(source_of(scene, assignments)).scene.domain.spacing;
+            const double step =
+                needs->second.step_per_spacing * load_scene(source_of(scene, assignments)).scene.domain.spacing;
             out.changes.push_back({"time.step=" + format_number(step), "a share of the time between observations"});
         }
     }
     return out;
 }
 
-study::SceneFacts StudyScenes::read(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
+study::SceneFacts StudyScenes::read(
+    const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const {
     const auto input = load_scene(source(scene, assignments));
     const auto& domain = input.scene.domain;
     // Particles go with the spacing's power of the dimensions, steps with its inverse.
-    study::SceneFacts facts{effective(input), input.scene.time.end, input.scene.time.end * std::pow(domain.spacing, -domain.dimensions - 1)};
+    study::SceneFacts facts{effective(input), input.scene.time.end,
+        input.scene.time.end * std::pow(domain.spacing, -domain.dimensions - 1)};
     for (const auto& file : scene::mesh_files(input.scene)) {
         const auto hash = "content " + content_hash(file);
-        for (auto at = facts.content.find(file); at != std::string::npos; at = facts.content.find(file, at + hash.size())) {
+        for (auto at = facts.content.find(file); at != std::string::npos;
+             at = facts.content.find(file, at + hash.size())) {
             facts.content.replace(at, file.size(), hash);
         }
     }
@@ -96,7 +102,8 @@ identify::StudyFile load_checked_study(const std::filesystem::path& path, const 
     for (const auto& one : study.scenes) {
         const auto scene = study.scene_file(one);
         if (!std::filesystem::exists(scene)) {
-            problems.push_back({one.where, "the scene " + scene.string() + " is not there", "names of files are taken from the study's folder", "check its name"});
+            problems.push_back({one.where, "the scene " + scene.string() + " is not there",
+                "names of files are taken from the study's folder", "check its name"});
             continue;
         }
         try {

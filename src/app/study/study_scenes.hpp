@@ -19,7 +19,9 @@ public:
     // The scene of a run, with what its experiments need.
     InputSource source(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) const;
     study::SceneReader reader() const {
-        return [this](const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) { return read(scene, assignments); };
+        return [this](const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments) {
+            return read(scene, assignments);
+        };
     }
 
 private:
@@ -30,6 +32,7 @@ private:
 InputSource source_of(const std::filesystem::path& scene, const std::vector<study::Assignment>& assignments);
 
 // A study of which the keys that it sets and the figures that it reads are there in every scene. Throws InputError.
-identify::StudyFile load_checked_study(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+identify::StudyFile load_checked_study(
+    const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
 } // namespace treacle::app

@@ -37,8 +37,8 @@ void tell_failures(Log& log, const study::Journal& journal, const std::vector<st
     for (const auto number : runs) {
         const auto* outcome = journal.outcome(number);
         if (!outcome || !study::is_failure(outcome->status)) continue;
-        log.warn("run " + std::to_string(number) + " (" + join(journal.runs()[std::size_t(number - 1)].values, ", ") + ") " +
-                 study::word(outcome->status) + ": " + outcome->reason);
+        log.warn("run " + std::to_string(number) + " (" + join(journal.runs()[std::size_t(number - 1)].values, ", ") +
+                 ") " + study::word(outcome->status) + ": " + outcome->reason);
     }
 }
 } // namespace
@@ -54,7 +54,7 @@ std::filesystem::path find_study(const std::filesystem::path& name) {
     const auto path = std::filesystem::is_directory(name) ? name / "study.yaml" : name;
     if (std::filesystem::exists(path)) return path;
     throw InputError({path.string(), "there is no such file", "a study is a YAML file, or a folder with study.yaml",
-                      "`treacle schema --study` describes it"});
+        "`treacle schema --study` describes it"});
 }
 
 std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file) {
@@ -63,7 +63,8 @@ std::vector<study::Candidate> sweep_candidates(const identify::StudyFile& file) 
 
 std::filesystem::path study_folder(const std::filesystem::path& study, const std::filesystem::path& out) {
     if (!out.empty()) return std::filesystem::absolute(out).lexically_normal();
-    const auto name = study.stem() == "study" ? std::filesystem::absolute(study).parent_path().filename() : study.stem();
+    const auto name =
+        study.stem() == "study" ? std::filesystem::absolute(study).parent_path().filename() : study.stem();
     return std::filesystem::absolute(std::filesystem::path("out") / name).lexically_normal();
 }
 
@@ -78,15 +79,15 @@ std::vector<std::int64_t> ask_once(study::StudyRuns& runs, const std::vector<stu
 }
 
 ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
-                       const std::filesystem::path& folder, Log& log) {
+    const std::filesystem::path& folder, Log& log) {
     const auto table = table_of(study, journal, runs);
     write_tables(folder, table);
     study::write_plots(folder / "plots", study, table);
     const auto status = count_runs(journal, runs);
     write_status(folder / "status.json", status);
     tell_failures(log, journal, runs);
-    log.line(std::to_string(status.done) + " of " + std::to_string(runs.size()) + " runs done, " + std::to_string(status.failed) +
-             " failed; " + (folder / "table.csv").string());
+    log.line(std::to_string(status.done) + " of " + std::to_string(runs.size()) + " runs done, " +
+             std::to_string(status.failed) + " failed; " + (folder / "table.csv").string());
     if (status.done + status.failed < runs.size()) return ExitCode::stopped;
     if (status.failed == 0) return ExitCode::ok;
     log.line("`--retry failed` does those again");
@@ -108,7 +109,8 @@ ExitCode sweep_study(const SweepRequest& request) {
     study::StudyRuns runs(study, {folder, this_program(), tell_table}, log);
     under_way = &runs;
     numbers = ask_once(runs, candidates);
-    log.line(std::to_string(numbers.size()) + " runs on " + std::to_string(runs.lanes()) + " lanes in " + folder.string());
+    log.line(
+        std::to_string(numbers.size()) + " runs on " + std::to_string(runs.lanes()) + " lanes in " + folder.string());
     const auto end = runs.run(numbers, request.retry_failed);
     const auto code = write_results(study, runs.journal(), numbers, folder, log);
     return end == study::StudyEnd::stopped ? ExitCode::stopped : code;

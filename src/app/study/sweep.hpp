@@ -32,7 +32,7 @@ std::vector<std::int64_t> ask_once(study::StudyRuns& runs, const std::vector<stu
 // Tables and plots of these runs, and a line each for those that failed. Exit code 0 when all are done, 3 when some failed, 5
 // when some have no outcome.
 ExitCode write_results(const study::Study& study, const study::Journal& journal, const std::vector<std::int64_t>& runs,
-                       const std::filesystem::path& folder, Log& log);
+    const std::filesystem::path& folder, Log& log);
 
 // table.csv and table.h5.
 void write_tables(const std::filesystem::path& folder, const study::Table& table);

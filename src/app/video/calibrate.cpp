@@ -26,23 +26,19 @@ video::Board board_of(const CalibrateRequest& request) {
     auto board = video::read_board(request.board);
     video::check_board(board);
     if (request.square.empty())
-        throw InputError({"--square", "is missing", "the scale of poses follows from it", "measure the side of a square over the whole board, as in --square 24.9mm"});
+        throw InputError({"--square", "is missing", "the scale of poses follows from it",
+            "measure the side of a square over the whole board, as in --square 24.9mm"});
     board.spacing = read_length("--square", request.square);
     return board;
 }
 
 std::string state_text(video::PictureState state) {
     switch (state) {
-    case video::PictureState::used:
-        return "used";
-    case video::PictureState::outlier:
-        return "outlier";
-    case video::PictureState::unreadable:
-        return "unreadable";
-    case video::PictureState::blurred:
-        return "blurred";
-    case video::PictureState::no_board:
-        break;
+    case video::PictureState::used: return "used";
+    case video::PictureState::outlier: return "outlier";
+    case video::PictureState::unreadable: return "unreadable";
+    case video::PictureState::blurred: return "blurred";
+    case video::PictureState::no_board: break;
     }
     return "no board";
 }
@@ -66,9 +62,11 @@ void print_pictures(Log& log, const video::Calibration& calibration) {
     };
     log.line(padded("picture", width) + "  error  largest [pixels]");
     for (const auto& picture : calibration.pictures) {
-        const auto errors = has_errors(picture) ? fixed(picture.rms, 3) + "  " + fixed(picture.largest, 3) : std::string("    -      -");
+        const auto errors = has_errors(picture) ? fixed(picture.rms, 3) + "  " + fixed(picture.largest, 3)
+                                                : std::string("    -      -");
         const bool used = picture.state == video::PictureState::used;
-        log.line(padded(picture.name, width) + "  " + errors + (used ? "" : "  " + state_text(picture.state) + ": " + picture.reason));
+        log.line(padded(picture.name, width) + "  " + errors +
+                 (used ? "" : "  " + state_text(picture.state) + ": " + picture.reason));
     }
 }
 
@@ -92,13 +90,16 @@ std::string table_of(const video::Calibration& calibration) {
     std::string out = "picture,state,error [pixels],largest error [pixels],edge width [pixels],reason\n";
     for (const auto& picture : calibration.pictures) {
         const auto number = [&](double value) { return has_errors(picture) ? format_number(value) : std::string(); };
-        out += quoted(picture.name) + "," + state_text(picture.state) + "," + number(picture.rms) + "," + number(picture.largest) +
-               "," + format_number(picture.view.edge_width) + "," + quoted(picture.reason) + "\n";
+        out += quoted(picture.name) + "," + state_text(picture.state) + "," + number(picture.rms) + "," +
+               number(picture.largest) + "," + format_number(picture.view.edge_width) + "," + quoted(picture.reason) +
+               "\n";
     }
     return out;
 }
 
-fs::path beside(const fs::path& path, const std::string& ending) { return path.parent_path() / (path.stem().string() + ending); }
+fs::path beside(const fs::path& path, const std::string& ending) {
+    return path.parent_path() / (path.stem().string() + ending);
+}
 
 video::CameraRecord record_of(const video::Calibration& calibration, const std::string& name) {
     video::CameraRecord camera;
@@ -124,9 +125,10 @@ video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
     options.outlier_factor = request.outliers;
     const auto calibration = video::calibrate(board, options, std::move(pictures));
     print_pictures(log, calibration);
-    log.line(std::to_string(calibration.count(video::PictureState::used)) + " of " + std::to_string(calibration.pictures.size()) +
-             " pictures used, error " + fixed(calibration.rms, 3) + " pixels; outliers exceed " + format_number(options.outlier_factor) +
-             " times the median and " + format_number(options.outlier_floor) + " pixels");
+    log.line(std::to_string(calibration.count(video::PictureState::used)) + " of " +
+             std::to_string(calibration.pictures.size()) + " pictures used, error " + fixed(calibration.rms, 3) +
+             " pixels; outliers exceed " + format_number(options.outlier_factor) + " times the median and " +
+             format_number(options.outlier_floor) + " pixels");
     print_parameters(log, calibration);
     for (const auto& warning : calibration.warnings) log.warn(warning);
     return calibration;
@@ -135,17 +137,21 @@ video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
 video::CameraRecord given_camera(const CalibrateRequest& request) {
     const auto colon = request.camera.rfind(':');
     const bool named = !fs::exists(request.camera) && colon != std::string::npos;
-    auto camera = named ? video::read_camera(request.camera.substr(0, colon), request.camera.substr(colon + 1)) : video::read_camera(request.camera, "");
+    auto camera = named ? video::read_camera(request.camera.substr(0, colon), request.camera.substr(colon + 1))
+                        : video::read_camera(request.camera, "");
     if (!request.name.empty()) camera.name = request.name;
     return camera;
 }
 
 void calibrate_alone(const CalibrateRequest& request) {
     if (request.pictures.empty() == request.camera.empty())
-        throw InputError({"treacle calibrate", request.camera.empty() ? "no pictures and no camera are given" : "pictures and a camera are given",
-                          "the lens comes from one of them", "give 10 to 20 pictures of the board, or a folder with them, or --camera FILE"});
+        throw InputError({"treacle calibrate",
+            request.camera.empty() ? "no pictures and no camera are given" : "pictures and a camera are given",
+            "the lens comes from one of them",
+            "give 10 to 20 pictures of the board, or a folder with them, or --camera FILE"});
     if (!request.camera.empty() && !asks_for_pose(request))
-        throw InputError({"treacle calibrate --camera", "nothing is asked for", "the lens is known", "add --points, --pose-picture, --contour, --level, --plumb or --overlay"});
+        throw InputError({"treacle calibrate --camera", "nothing is asked for", "the lens is known",
+            "add --points, --pose-picture, --contour, --level, --plumb or --overlay"});
     Log log(LogOutput::enabled);
     const fs::path out = request.out;
     video::CameraRecord camera;

@@ -20,16 +20,16 @@ struct CalibrateRequest {
     std::string name;                  // of the camera; default: that of the file, or main
 
     // The pose in the scene.
-    std::string points;         // table of points, see video::read_scene_points
-    double point_noise = 1;     // [pixels] of points that state none
-    std::string pose_picture;   // shows the board where it lies in the scene
-    std::string board_in_scene; // "origin with unit; x axis; y axis; thickness with unit"
-    std::string scene;          // file
+    std::string points;                       // table of points, see video::read_scene_points
+    double point_noise = 1;                   // [pixels] of points that state none
+    std::string pose_picture;                 // shows the board where it lies in the scene
+    std::string board_in_scene;               // "origin with unit; x axis; y axis; thickness with unit"
+    std::string scene;                        // file
     std::vector<std::string> overrides, data; // of the scene
-    std::string contour;        // mask of the first frame
-    std::string contour_of;     // see find_seen_solid
-    std::string level, plumb;   // see video::read_levels
-    std::string frame, overlay; // the scene is drawn over this frame into that PNG
+    std::string contour;                      // mask of the first frame
+    std::string contour_of;                   // see find_seen_solid
+    std::string level, plumb;                 // see video::read_levels
+    std::string frame, overlay;               // the scene is drawn over this frame into that PNG
 
     std::string out = "camera.yaml"; // file of the camera: .yaml, .json or .xml
 };

@@ -40,7 +40,8 @@ struct LoadedScene {
 
 LoadedScene load(const CalibrateRequest& request, const std::string& option) {
     if (request.scene.empty())
-        throw InputError({option, "needs the scene", "its solids and liquids are looked for in the picture", "add --scene SCENE"});
+        throw InputError(
+            {option, "needs the scene", "its solids and liquids are looked for in the picture", "add --scene SCENE"});
     LoadedScene out;
     fs::path path = request.scene;
     if (fs::is_directory(path)) path /= "scene.yaml";
@@ -54,14 +55,15 @@ std::vector<Vec3> board_places(const std::string& text, const video::Board& boar
     const std::string option = "--board-in-scene";
     const auto parts = split_at(text, ';');
     if (parts.size() < 3 || parts.size() > 4)
-        throw InputError({option + " \"" + text + "\"", "has " + std::to_string(parts.size()) + " parts, not 3 or 4", "",
-                          "write origin; x axis; y axis; thickness, as in \"10 0 5 cm; 1 0 0; 0 0 1; 2 mm\""});
+        throw InputError({option + " \"" + text + "\"", "has " + std::to_string(parts.size()) + " parts, not 3 or 4",
+            "", "write origin; x axis; y axis; thickness, as in \"10 0 5 cm; 1 0 0; 0 0 1; 2 mm\""});
     const Vec3 origin = read_vector(parts[0], unit::length, option);
     Vec3 x = read_vector(parts[1], unit::none, option), y = read_vector(parts[2], unit::none, option);
     const auto dot = [](const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
     const double lx = std::sqrt(dot(x, x)), ly = std::sqrt(dot(y, y));
     if (!(lx > 0 && ly > 0) || std::abs(dot(x, y)) > 1e-3 * lx * ly)
-        throw InputError({option + " \"" + text + "\"", "the axes are not at right angles", "a board's rows and columns are", "measure them again"});
+        throw InputError({option + " \"" + text + "\"", "the axes are not at right angles",
+            "a board's rows and columns are", "measure them again"});
     for (double& v : x) v /= lx;
     for (double& v : y) v /= ly;
     const Vec3 into{x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
@@ -79,10 +81,11 @@ std::vector<Vec3> board_places(const std::string& text, const video::Board& boar
     return out;
 }
 
-std::vector<video::ScenePoint> board_points_in_scene(const CalibrateRequest& request, const video::CameraRecord& camera, Log& log) {
+std::vector<video::ScenePoint> board_points_in_scene(
+    const CalibrateRequest& request, const video::CameraRecord& camera, Log& log) {
     if (request.pose_picture.empty() || request.board_in_scene.empty() || request.square.empty())
         throw InputError({"--pose-picture, --board-in-scene, --square", "belong together",
-                          "the picture shows the board where it lies in the scene, the place says where that is", "give all three"});
+            "the picture shows the board where it lies in the scene, the place says where that is", "give all three"});
     auto board = video::read_board(request.board);
     video::check_board(board);
     board.spacing = read_length("--square", request.square);
@@ -94,7 +97,8 @@ std::vector<video::ScenePoint> board_points_in_scene(const CalibrateRequest& req
     const auto seen_by = video::for_pictures(camera, photo.width, photo.height, request.pose_picture);
     const auto view = video::find_board(photo, board, {request.window});
     if (!view)
-        throw InputError({request.pose_picture, "no " + board.text() + " was found", "", "film the whole board, with a white rim around it"});
+        throw InputError({request.pose_picture, "no " + board.text() + " was found", "",
+            "film the whole board, with a white rim around it"});
     const auto points = video::unbiased_points(seen_by.lens, board, *view);
     std::vector<video::ScenePoint> out;
     for (std::size_t i = 0; i < places.size(); ++i)
@@ -111,9 +115,10 @@ void print_pose(Log& log, const video::CameraRecord& camera) {
     if (!camera.pose_covariance) return;
     const auto& c = *camera.pose_covariance;
     const auto deviation = [&](std::size_t i) { return std::sqrt(c[7 * i]); };
-    log.line("deviations: turn " + fixed(deviation(0) / degree, 4) + ", " + fixed(deviation(1) / degree, 4) + ", " + fixed(deviation(2) / degree, 4) +
-             " deg about the camera's axes; translation " + fixed(1e3 * deviation(3), 3) + ", " + fixed(1e3 * deviation(4), 3) + ", " +
-             fixed(1e3 * deviation(5), 3) + " mm");
+    log.line("deviations: turn " + fixed(deviation(0) / degree, 4) + ", " + fixed(deviation(1) / degree, 4) + ", " +
+             fixed(deviation(2) / degree, 4) + " deg about the camera's axes; translation " +
+             fixed(1e3 * deviation(3), 3) + ", " + fixed(1e3 * deviation(4), 3) + ", " + fixed(1e3 * deviation(5), 3) +
+             " mm");
 }
 
 void take_points(const CalibrateRequest& request, video::CameraRecord& camera, Log& log) {
@@ -121,7 +126,8 @@ void take_points(const CalibrateRequest& request, video::CameraRecord& camera, L
     const auto points = listed ? video::read_scene_points(request.points) : board_points_in_scene(request, camera, log);
     const auto estimate = video::pose_of_points(camera, points, {request.point_noise});
     if (listed)
-        for (std::size_t i = 0; i < points.size(); ++i) log.line(points[i].where + "  error " + fixed(estimate.distances[i], 2) + " pixels");
+        for (std::size_t i = 0; i < points.size(); ++i)
+            log.line(points[i].where + "  error " + fixed(estimate.distances[i], 2) + " pixels");
     log.line("pose from " + std::to_string(points.size()) + " points, error " + fixed(estimate.rms, 3) + " pixels");
     for (const auto& warning : estimate.warnings) log.warn(warning);
     camera.pose = estimate.pose;
@@ -136,10 +142,13 @@ void refine(const CalibrateRequest& request, video::CameraRecord& camera, Log& l
     const auto found = video::refine_on_contour(camera, solid, silhouette, {});
     camera.pose = found.estimate.pose;
     camera.pose_covariance = found.estimate.covariance;
-    log.line("refined on the outline of " + solid.name + ": " + std::to_string(found.points) + " points, " + fixed(100 * found.fitting, 0) +
-             " % fit, displacement " + fixed(found.mean, 3) + " +- " + fixed(found.estimate.noise, 3) + " pixels, correlated over " +
-             fixed(found.correlation, 0) + " pixels, " + fixed(found.pieces, 0) + " independent pieces, overlap " + fixed(found.overlap_before, 4) + " -> " + fixed(found.overlap_after, 4));
-    log.line("deviation at the liquid " + fixed(video::pixel_deviation(camera.model(), *camera.pose_covariance, solid.centre), 3) + " pixels");
+    log.line("refined on the outline of " + solid.name + ": " + std::to_string(found.points) + " points, " +
+             fixed(100 * found.fitting, 0) + " % fit, displacement " + fixed(found.mean, 3) + " +- " +
+             fixed(found.estimate.noise, 3) + " pixels, correlated over " + fixed(found.correlation, 0) + " pixels, " +
+             fixed(found.pieces, 0) + " independent pieces, overlap " + fixed(found.overlap_before, 4) + " -> " +
+             fixed(found.overlap_after, 4));
+    log.line("deviation at the liquid " +
+             fixed(video::pixel_deviation(camera.model(), *camera.pose_covariance, solid.centre), 3) + " pixels");
     for (const auto& warning : found.estimate.warnings) log.warn(warning);
 }
 
@@ -152,18 +161,24 @@ void find_vertical(const CalibrateRequest& request, const video::CameraRecord& c
         double cosine = 0;
         for (std::size_t k = 0; k < 3; ++k) cosine -= vertical.up[k] * gravity[k] / g;
         const double angle = std::acos(std::min(1.0, cosine)) / degree;
-        log.line("vertical from the " + source + ": " + vector_text(vertical.up, 5) + " +- " + fixed(vertical.deviation / degree, 2) + " deg, " +
-                 fixed(angle, 2) + " deg from that of the scene; points fit to " + fixed(1e3 * vertical.residual, 2) + " mm");
-        log.line("domain.gravity: [" + vector_text({-g * vertical.up[0], -g * vertical.up[1], -g * vertical.up[2]}, 4) + "]");
+        log.line("vertical from the " + source + ": " + vector_text(vertical.up, 5) + " +- " +
+                 fixed(vertical.deviation / degree, 2) + " deg, " + fixed(angle, 2) +
+                 " deg from that of the scene; points fit to " + fixed(1e3 * vertical.residual, 2) + " mm");
+        log.line("domain.gravity: [" + vector_text({-g * vertical.up[0], -g * vertical.up[1], -g * vertical.up[2]}, 4) +
+                 "]");
         if (angle * degree > 2 * vertical.deviation && angle > 0.2)
-            log.warn("the scene's gravity is off by " + fixed(angle, 2) + " deg, " + fixed(100 * std::sin(angle * degree), 1) + " % of it sideways");
+            log.warn("the scene's gravity is off by " + fixed(angle, 2) + " deg, " +
+                     fixed(100 * std::sin(angle * degree), 1) + " % of it sideways");
     };
-    if (!request.level.empty()) report(video::vertical_of_level(camera, video::read_levels(request.level), about, level_noise), "level");
-    if (!request.plumb.empty()) report(video::vertical_of_plumb(camera, video::read_levels(request.plumb), about, level_noise), "plumb line");
+    if (!request.level.empty())
+        report(video::vertical_of_level(camera, video::read_levels(request.level), about, level_noise), "level");
+    if (!request.plumb.empty())
+        report(video::vertical_of_plumb(camera, video::read_levels(request.plumb), about, level_noise), "plumb line");
 }
 
 void draw(const CalibrateRequest& request, const video::CameraRecord& camera, Log& log) {
-    if (request.frame.empty()) throw InputError({"--overlay", "needs the frame", "the scene is drawn over it", "add --frame PICTURE"});
+    if (request.frame.empty())
+        throw InputError({"--overlay", "needs the frame", "the scene is drawn over it", "add --frame PICTURE"});
     const auto scene = load(request, "--overlay");
     video::SceneOverlay overlay;
     overlay.domain = domain_box(scene.input.scene.domain);
@@ -173,7 +188,8 @@ void draw(const CalibrateRequest& request, const video::CameraRecord& camera, Lo
         overlay.kinds.push_back(kind);
     };
     for (std::size_t i = 0; i < scene.geometry.liquids.size(); ++i)
-        if (!scene.geometry.liquids[i].empty()) add(seen_liquid(scene.input, scene.geometry, i), video::OverlayKind::liquid);
+        if (!scene.geometry.liquids[i].empty())
+            add(seen_liquid(scene.input, scene.geometry, i), video::OverlayKind::liquid);
     for (std::size_t i = 0; i < scene.geometry.bodies.size(); ++i)
         if (scene.geometry.originals[i].closed() && !scene.geometry.originals[i].inverted())
             add(seen_body(scene.input, scene.geometry, i), video::OverlayKind::body);
@@ -185,13 +201,15 @@ void draw(const CalibrateRequest& request, const video::CameraRecord& camera, Lo
 } // namespace
 
 bool asks_for_pose(const CalibrateRequest& request) {
-    for (const auto* text : {&request.points, &request.pose_picture, &request.board_in_scene, &request.contour, &request.level, &request.plumb, &request.overlay})
+    for (const auto* text : {&request.points, &request.pose_picture, &request.board_in_scene, &request.contour,
+             &request.level, &request.plumb, &request.overlay})
         if (!text->empty()) return true;
     return false;
 }
 
 void find_pose(const CalibrateRequest& request, video::CameraRecord& camera, Log& log) {
-    if (!request.points.empty() || !request.pose_picture.empty() || !request.board_in_scene.empty()) take_points(request, camera, log);
+    if (!request.points.empty() || !request.pose_picture.empty() || !request.board_in_scene.empty())
+        take_points(request, camera, log);
     if (!request.contour.empty()) refine(request, camera, log);
     if (camera.pose) print_pose(log, camera);
     if (!request.level.empty() || !request.plumb.empty()) find_vertical(request, camera, log);

@@ -22,24 +22,35 @@ std::string digits(double value, int after_point) {
     return text.data();
 }
 
-const char* name_of(FindingKind kind) { return kind == FindingKind::problem ? "problem" : kind == FindingKind::warning ? "warning" : "note"; }
+const char* name_of(FindingKind kind) {
+    return kind == FindingKind::problem ? "problem" : kind == FindingKind::warning ? "warning" : "note";
+}
 
 void print_figures(Log& log, const video::ClipInfo& info, const video::ClipCheck& check) {
     const auto line = [&](const std::string& name, const std::string& value) {
         log.line("  " + name + std::string(name.size() < 22 ? 22 - name.size() : 1, ' ') + value);
     };
     log.line(info.file + ": " + info.kind);
-    line("size", std::to_string(info.width) + " x " + std::to_string(info.height) + " pixels, " + (info.width >= info.height ? "landscape" : "portrait") + ", turned by " +
+    line("size", std::to_string(info.width) + " x " + std::to_string(info.height) + " pixels, " +
+                     (info.width >= info.height ? "landscape" : "portrait") + ", turned by " +
                      std::to_string(info.orientation.degrees()) + " degrees");
-    line("frames", std::to_string(info.stamps.size()) + ", " + digits(info.stamps.front(), 3) + " to " + digits(info.stamps.back(), 3) + " s");
+    line("frames", std::to_string(info.stamps.size()) + ", " + digits(info.stamps.front(), 3) + " to " +
+                       digits(info.stamps.back(), 3) + " s");
     line("rate", digits(info.rate(), 3) + " Hz, " + (info.variable_rate() ? "variable" : "constant"));
-    if (info.times.back() != info.stamps.back()) line("true times", digits(info.times.front(), 4) + " to " + digits(info.times.back(), 4) + " s");
+    if (info.times.back() != info.stamps.back())
+        line("true times", digits(info.times.front(), 4) + " to " + digits(info.times.back(), 4) + " s");
     line("doubled, dropped", std::to_string(check.doubled.size()) + ", " + std::to_string(check.dropped) + " frames");
-    line("brightness", digits(check.brightness_low, 3) + " to " + digits(check.brightness_high, 3) + " of the first frame, flicker " + digits(check.flicker, 4));
-    line("camera", check.registered ? "moves by " + digits(check.largest_shift, 2) + " px at most" : "not followed: too little texture");
+    line("brightness", digits(check.brightness_low, 3) + " to " + digits(check.brightness_high, 3) +
+                           " of the first frame, flicker " + digits(check.flicker, 4));
+    line("camera", check.registered ? "moves by " + digits(check.largest_shift, 2) + " px at most"
+                                    : "not followed: too little texture");
     line("noise", digits(check.noise, 2) + " grey levels of 255");
-    if (check.first_change) line("first change", "frame " + std::to_string(*check.first_change) + ", up to " + digits(100 * check.moving_area, 1) + " % of the picture");
-    if (check.contrast > 0) line("contour", "contrast " + digits(check.contrast, 1) + " grey levels of 255, blur " + digits(check.edge_width, 2) + " px");
+    if (check.first_change)
+        line("first change", "frame " + std::to_string(*check.first_change) + ", up to " +
+                                 digits(100 * check.moving_area, 1) + " % of the picture");
+    if (check.contrast > 0)
+        line("contour", "contrast " + digits(check.contrast, 1) + " grey levels of 255, blur " +
+                            digits(check.edge_width, 2) + " px");
 }
 
 nlohmann::ordered_json json_of(const video::ClipInfo& info, const video::ClipCheck& check) {
@@ -80,13 +91,16 @@ double scale_of(const CheckVideoRequest& request, const video::ClipInfo& info, v
     const auto& lens = model.lens();
     if (lens.width != info.width || lens.height != info.height) {
         check.findings.insert(check.findings.begin(),
-                              {FindingKind::problem, "the camera is for " + std::to_string(lens.width) + " x " + std::to_string(lens.height) + " pixels",
-                               "calibrate with a clip of the same mode and orientation"});
+            {FindingKind::problem,
+                "the camera is for " + std::to_string(lens.width) + " x " + std::to_string(lens.height) + " pixels",
+                "calibrate with a clip of the same mode and orientation"});
         return 0;
     }
     const auto seen = model.project(request.at);
-    if (seen.depth <= scene::CameraModel::near_plane || seen.x < -0.5 || seen.y < -0.5 || seen.x > info.width - 0.5 || seen.y > info.height - 0.5) {
-        check.findings.insert(check.findings.begin(), {FindingKind::problem, "the camera does not see the point of --at", "give a point in the liquid"});
+    if (seen.depth <= scene::CameraModel::near_plane || seen.x < -0.5 || seen.y < -0.5 || seen.x > info.width - 0.5 ||
+        seen.y > info.height - 0.5) {
+        check.findings.insert(check.findings.begin(),
+            {FindingKind::problem, "the camera does not see the point of --at", "give a point in the liquid"});
         return 0;
     }
     return 0.5 * (lens.fx + lens.fy) / seen.depth / 1000;
@@ -103,11 +117,16 @@ bool work(const CheckVideoRequest& request) {
     progress.finish();
     const double scale = request.camera.empty() ? 0 : scale_of(request, source->info(), check);
     print_figures(log, source->info(), check);
-    if (scale > 0) log.line("  scale                 " + digits(scale, 3) + " px per mm at " + digits(request.at[0], 3) + ", " + digits(request.at[1], 3) + ", " +
-                            digits(request.at[2], 3) + " m: 0.2 px of contour are " + digits(0.2 / scale, 3) + " mm");
+    if (scale > 0)
+        log.line("  scale                 " + digits(scale, 3) + " px per mm at " + digits(request.at[0], 3) + ", " +
+                 digits(request.at[1], 3) + ", " + digits(request.at[2], 3) + " m: 0.2 px of contour are " +
+                 digits(0.2 / scale, 3) + " mm");
     for (const auto& finding : check.findings) {
-        if (finding.kind == FindingKind::problem && request.source.allow_damage && finding.text.starts_with("is cut off")) continue;
-        log.line(std::string(name_of(finding.kind)) + ": " + finding.text + (finding.cure.empty() ? "" : "; " + finding.cure) + ".");
+        if (finding.kind == FindingKind::problem && request.source.allow_damage &&
+            finding.text.starts_with("is cut off"))
+            continue;
+        log.line(std::string(name_of(finding.kind)) + ": " + finding.text +
+                 (finding.cure.empty() ? "" : "; " + finding.cure) + ".");
     }
     const bool usable = check.usable();
     log.line(usable ? "the clip can be used" : "the clip cannot be used as it is");

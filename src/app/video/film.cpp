@@ -23,7 +23,7 @@ namespace {
 
 // A frame of the film: its stamp in the file, the run's time at the middle of its exposure, the run's frame nearest to it.
 struct FilmFrame {
-    double stamp = 0, time = 0;      // [s]
+    double stamp = 0, time = 0;       // [s]
     std::optional<std::size_t> frame; // none: the empty scene
 };
 
@@ -34,7 +34,9 @@ std::uint64_t hash(std::uint64_t x) {
 }
 
 // In [-1, 1).
-double random_at(std::uint64_t seed, std::uint64_t k) { return static_cast<double>(hash(seed * 0x9e3779b97f4a7c15 + k) >> 11) * 0x1p-52 - 1; }
+double random_at(std::uint64_t seed, std::uint64_t k) {
+    return static_cast<double>(hash(seed * 0x9e3779b97f4a7c15 + k) >> 11) * 0x1p-52 - 1;
+}
 
 [[noreturn]] void refuse(const std::string& option, const std::string& problem, const std::string& cure) {
     throw InputError({"treacle film " + option, problem, "", cure});
@@ -42,10 +44,12 @@ double random_at(std::uint64_t seed, std::uint64_t k) { return static_cast<doubl
 
 void check(const FilmRequest& request) {
     if (!(request.rate > 0) || request.rate > 100000) refuse("--rate", "must be > 0", "30 frames per second is usual");
-    if (request.jitter < 0 || request.jitter > 0.9) refuse("--jitter", "must be in [0, 0.9]", "0.2 is a phone in the dark");
+    if (request.jitter < 0 || request.jitter > 0.9)
+        refuse("--jitter", "must be in [0, 0.9]", "0.2 is a phone in the dark");
     if (request.shot.exposure < 0 || request.shot.exposure > 1 / request.rate)
         refuse("--exposure", "must be between 0 and the interval of the frames", "half of it is usual");
-    if (request.look.blur < 0 || request.look.noise < 0) refuse("--blur, --noise", "must be >= 0", "0.8 and 1.5 are usual");
+    if (request.look.blur < 0 || request.look.noise < 0)
+        refuse("--blur, --noise", "must be >= 0", "0.8 and 1.5 are usual");
     if (std::abs(request.look.exposure_drift) >= 1) refuse("--drift", "must be below 1", "0.2 is much");
 }
 
@@ -53,12 +57,16 @@ void check(const FilmRequest& request) {
 std::vector<FilmFrame> plan_frames(const FilmRequest& request, const RunView& run) {
     const double first = request.first >= 0 ? request.first : run.frames.front().time;
     const double last = request.last >= 0 ? request.last : run.frames.back().time;
-    if (!(last > first)) refuse("--to", "must be after --from", "the run goes from " + format_number(run.frames.front().time) + " to " + format_number(run.frames.back().time) + " s");
+    if (!(last > first))
+        refuse("--to", "must be after --from",
+            "the run goes from " + format_number(run.frames.front().time) + " to " +
+                format_number(run.frames.back().time) + " s");
     const auto map = request.time_map.empty() ? video::TimeMap{} : video::TimeMap::read(request.time_map);
     const double start = request.lead + request.still;
     std::vector<FilmFrame> frames;
     double largest_gap = 0;
-    for (std::size_t i = 1; i < run.frames.size(); ++i) largest_gap = std::max(largest_gap, run.frames[i].time - run.frames[i - 1].time);
+    for (std::size_t i = 1; i < run.frames.size(); ++i)
+        largest_gap = std::max(largest_gap, run.frames[i].time - run.frames[i - 1].time);
     for (std::uint64_t k = 0; k < 1000000; ++k) {
         FilmFrame frame;
         const double wobble = k == 0 ? 0 : 0.5 * request.jitter * random_at(request.look.seed, k);
@@ -77,7 +85,8 @@ std::vector<FilmFrame> plan_frames(const FilmRequest& request, const RunView& ru
 class Camera {
 public:
     Camera(const FilmRequest& request, const RunView& run, const scene::CameraModel& model)
-        : request_(request), run_(run), model_(model), surface_(Comm::self(), run, {.options = surface_options(run.input), .images = true}) {}
+        : request_(request), run_(run), model_(model),
+          surface_(Comm::self(), run, {.options = surface_options(run.input), .images = true}) {}
 
     struct Shot {
         video::Image image;
@@ -91,12 +100,14 @@ public:
         if (!frame.frame) {
             const auto& lens = model_.lens();
             const auto pixels = std::size_t(lens.width) * std::size_t(lens.height);
-            return {painter_->paint_empty(phase, number), {lens.width, lens.height, std::vector<std::uint8_t>(pixels, video::mask_background)}};
+            return {painter_->paint_empty(phase, number),
+                {lens.width, lens.height, std::vector<std::uint8_t>(pixels, video::mask_background)}};
         }
         auto shot = request_.shot;
         shot.offset = frame.time - surface_.time();
         const bool rests = request_.still > 0 && frame.time <= run_.frames.front().time;
-        const video::FilmMesh drawn{mesh.dimensions, mesh.vertices, mesh.normals, rests ? std::span<const double>{} : std::span<const double>(mesh.velocity), mesh.triangles};
+        const video::FilmMesh drawn{mesh.dimensions, mesh.vertices, mesh.normals,
+            rests ? std::span<const double>{} : std::span<const double>(mesh.velocity), mesh.triangles};
         auto drawing = video::draw_liquid(drawn, model_, shot, scenery_.depth);
         return {painter_->paint(drawing.light, phase, number), std::move(drawing.mask)};
     }
@@ -125,8 +136,8 @@ private:
 class FilmFolder {
 public:
     FilmFolder(const FilmRequest& request, const std::filesystem::path& out, const scene::CameraModel& model)
-        : folder_(out, request.existing),
-          table_(CsvTable::create(folder_.path() / "film.csv", {"frame", "stamp [s]", "time [s]", "run frame", "area [px]"})) {
+        : folder_(out, request.existing), table_(CsvTable::create(folder_.path() / "film.csv",
+                                              {"frame", "stamp [s]", "time [s]", "run frame", "area [px]"})) {
         video::ClipOptions options;
         options.width = model.lens().width;
         options.height = model.lens().height;
@@ -141,7 +152,8 @@ public:
     void add(std::size_t number, const FilmFrame& frame, const video::Image& image, const video::Mask& mask) {
         writer_->add(image, frame.stamp);
         video::write_mask(folder_.path() / video::mask_name(std::int64_t(number)), mask);
-        table_.append(std::vector<double>{double(number), frame.stamp, frame.time, frame.frame ? double(*frame.frame) : -1, double(mask.area())});
+        table_.append(std::vector<double>{
+            double(number), frame.stamp, frame.time, frame.frame ? double(*frame.frame) : -1, double(mask.area())});
     }
 
     void finish(const nlohmann::ordered_json& summary) {
@@ -159,7 +171,8 @@ private:
     std::optional<video::ClipWriter> writer_;
 };
 
-nlohmann::ordered_json summary_of(const FilmRequest& request, const scene::CameraModel& model, const std::vector<FilmFrame>& frames) {
+nlohmann::ordered_json summary_of(
+    const FilmRequest& request, const scene::CameraModel& model, const std::vector<FilmFrame>& frames) {
     const auto& look = request.look;
     const auto& lens = model.lens();
     nlohmann::ordered_json out;
@@ -169,12 +182,15 @@ nlohmann::ordered_json summary_of(const FilmRequest& request, const scene::Camer
     out["jitter"] = request.jitter;
     out["start_stamp_s"] = request.lead + request.still;
     out["turned_degrees"] = request.turned;
-    out["camera"] = {{"name", model.name()}, {"width", lens.width}, {"height", lens.height}, {"fx", lens.fx}, {"fy", lens.fy}, {"cx", lens.cx}, {"cy", lens.cy},
-                     {"distortion", lens.distortion}, {"rotation_vector", scene::rotation_vector(model.pose().rotation)}, {"translation_vector", model.pose().translation}};
-    out["look"] = {{"texture", look.texture}, {"uneven_light", look.uneven_light}, {"exposure_drift", look.exposure_drift}, {"blur_px", look.blur},
-                   {"noise", look.noise}, {"shadow", look.shadow}, {"background", look.background}, {"seed", look.seed}};
-    out["shot"] = {{"exposure_s", request.shot.exposure}, {"readout_s", request.shot.readout}, {"colour", request.shot.colour}, {"samples", request.shot.samples},
-                   {"instants", request.shot.instants}};
+    out["camera"] = {{"name", model.name()}, {"width", lens.width}, {"height", lens.height}, {"fx", lens.fx},
+        {"fy", lens.fy}, {"cx", lens.cx}, {"cy", lens.cy}, {"distortion", lens.distortion},
+        {"rotation_vector", scene::rotation_vector(model.pose().rotation)},
+        {"translation_vector", model.pose().translation}};
+    out["look"] = {{"texture", look.texture}, {"uneven_light", look.uneven_light},
+        {"exposure_drift", look.exposure_drift}, {"blur_px", look.blur}, {"noise", look.noise}, {"shadow", look.shadow},
+        {"background", look.background}, {"seed", look.seed}};
+    out["shot"] = {{"exposure_s", request.shot.exposure}, {"readout_s", request.shot.readout},
+        {"colour", request.shot.colour}, {"samples", request.shot.samples}, {"instants", request.shot.instants}};
     return out;
 }
 
@@ -206,11 +222,14 @@ ExitCode film_run(const Comm& comm, const FilmRequest& request) {
             if (mine < frames.size()) shot = camera->shoot(frames[mine], mine, frames.size());
         });
         for (std::size_t rank = 0; rank < ranks && begin + rank < frames.size(); ++rank) {
-            const auto image = ranks > 1 ? comm.broadcast(bytes_of(shot.image.pixels), int(rank)) : bytes_of(shot.image.pixels);
-            const auto mask = ranks > 1 ? comm.broadcast(bytes_of(shot.mask.pixels), int(rank)) : bytes_of(shot.mask.pixels);
+            const auto image =
+                ranks > 1 ? comm.broadcast(bytes_of(shot.image.pixels), int(rank)) : bytes_of(shot.image.pixels);
+            const auto mask =
+                ranks > 1 ? comm.broadcast(bytes_of(shot.mask.pixels), int(rank)) : bytes_of(shot.mask.pixels);
             comm.guard_root([&] {
                 const auto& lens = model.lens();
-                folder->add(begin + rank, frames[begin + rank], {lens.width, lens.height, {image.begin(), image.end()}}, {lens.width, lens.height, {mask.begin(), mask.end()}});
+                folder->add(begin + rank, frames[begin + rank], {lens.width, lens.height, {image.begin(), image.end()}},
+                    {lens.width, lens.height, {mask.begin(), mask.end()}});
             });
         }
         progress.report(std::int64_t(std::min(begin + ranks, frames.size())), std::ssize(frames));
@@ -218,7 +237,8 @@ ExitCode film_run(const Comm& comm, const FilmRequest& request) {
     progress.finish();
     comm.guard_root([&] {
         folder->finish(summary_of(request, model, frames));
-        log.line(std::to_string(frames.size()) + " frames: " + (out / folder->name()).string() + ", the run starts at the stamp " + format_number(request.lead + request.still) + " s");
+        log.line(std::to_string(frames.size()) + " frames: " + (out / folder->name()).string() +
+                 ", the run starts at the stamp " + format_number(request.lead + request.still) + " s");
     });
     return ExitCode::ok;
 }

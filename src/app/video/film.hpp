@@ -22,7 +22,8 @@ struct FilmRequest {
     double quality = 16;                              // of H.264
     double rate = 30;                                 // frames a second of true time [1/s]
     double jitter = 0;                                // random part of each interval, relative: a variable rate
-    std::string time_map; // the file's stamps over true times, see video::TimeMap; frames lie at a steady rate of stamps then
+    std::string
+        time_map; // the file's stamps over true times, see video::TimeMap; frames lie at a steady rate of stamps then
     double lead = 1;              // of the empty scene before the run starts [s]
     double still = 0;             // of the liquid at rest in its first frame [s]
     double first = -1, last = -1; // of the run's times that are filmed [s]; -1: from its start, to its end

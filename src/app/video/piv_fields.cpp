@@ -26,7 +26,9 @@ struct Grid {
     std::size_t columns = 0, rows = 0;
     double step = 0; // [m]
 
-    explicit Grid(const PivRequest& r) : columns(std::size_t(r.width / r.step * (1 + 1e-9)) + 1), rows(std::size_t(r.height / r.step * (1 + 1e-9)) + 1), step(r.step) {}
+    explicit Grid(const PivRequest& r)
+        : columns(std::size_t(r.width / r.step * (1 + 1e-9)) + 1),
+          rows(std::size_t(r.height / r.step * (1 + 1e-9)) + 1), step(r.step) {}
     double x(std::size_t i) const { return double(i % columns) * step; }
     double y(std::size_t i) const { return double(i / columns) * step; }
     std::size_t size() const { return columns * rows; }
@@ -39,7 +41,8 @@ Vectors sample(const PivRequest& request, const Grid& grid, RunFlow& flow, doubl
     const double share = b.time > a.time ? (time - a.time) / (b.time - a.time) : 0;
     Vectors out{time, {}, {}, {}};
     for (std::size_t i = 0; i < grid.size(); ++i) {
-        const auto p = identify::window_velocity(request.sheet, grid.x(i), grid.y(i), a), q = identify::window_velocity(request.sheet, grid.x(i), grid.y(i), b);
+        const auto p = identify::window_velocity(request.sheet, grid.x(i), grid.y(i), a),
+                   q = identify::window_velocity(request.sheet, grid.x(i), grid.y(i), b);
         out.valid.push_back(p.seen && q.seen && !p.touches && !q.touches);
         out.u.push_back((1 - share) * p.velocity[0] + share * q.velocity[0]);
         out.v.push_back((1 - share) * p.velocity[1] + share * q.velocity[1]);
@@ -57,7 +60,8 @@ std::vector<double> window_noise(const Grid& grid, double window, std::mt19937_6
     for (std::size_t i = 0; i < grid.size(); ++i) {
         double sum = 0;
         for (std::size_t row = 0; row < wide; ++row) {
-            for (std::size_t column = 0; column < wide; ++column) sum += cells[(i / grid.columns + row) * across + i % grid.columns + column];
+            for (std::size_t column = 0; column < wide; ++column)
+                sum += cells[(i / grid.columns + row) * across + i % grid.columns + column];
         }
         out.push_back(sum / double(wide));
     }
@@ -65,7 +69,8 @@ std::vector<double> window_noise(const Grid& grid, double window, std::mt19937_6
 }
 
 void disturb(const PivRequest& request, const Grid& grid, double speed, std::mt19937_64& draw, Vectors& field) {
-    const auto noise_u = window_noise(grid, request.sheet.window, draw), noise_v = window_noise(grid, request.sheet.window, draw);
+    const auto noise_u = window_noise(grid, request.sheet.window, draw),
+               noise_v = window_noise(grid, request.sheet.window, draw);
     std::uniform_real_distribution<double> any(-1, 1), chance(0, 1);
     for (std::size_t i = 0; i < grid.size(); ++i) {
         field.u[i] += request.noise * speed * noise_u[i];
@@ -79,7 +84,8 @@ void disturb(const PivRequest& request, const Grid& grid, double speed, std::mt1
 void write_field(const std::filesystem::path& path, const Grid& grid, const Vectors& field) {
     auto table = CsvTable::create(path, {"x [mm]", "y [mm]", "u [m/s]", "v [m/s]", "valid"});
     for (std::size_t i = 0; i < grid.size(); ++i) {
-        table.append(std::vector<double>{1e3 * grid.x(i), 1e3 * grid.y(i), field.u[i], field.v[i], double(field.valid[i])});
+        table.append(
+            std::vector<double>{1e3 * grid.x(i), 1e3 * grid.y(i), field.u[i], field.v[i], double(field.valid[i])});
     }
     table.sync();
 }
@@ -89,17 +95,20 @@ void write_track(const PivRequest& request, const RunView& run, std::mt19937_64&
     const auto& times = bodies.column("time");
     auto table = CsvTable::create(request.out / "track.csv", {"time [s]", "x [mm]", "y [mm]", "plus_minus [mm]"});
     std::normal_distribution<double> normal;
-    const std::vector<double>* place[3] = {&bodies.column(request.track + " position x"), &bodies.column(request.track + " position y"), &bodies.column(request.track + " position z")};
+    const std::vector<double>* place[3] = {&bodies.column(request.track + " position x"),
+        &bodies.column(request.track + " position y"), &bodies.column(request.track + " position z")};
     const auto add = [&](double time, const Vec3& at) {
         double x = 0, y = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             x += request.sheet.right[k] * (at[k] - request.sheet.origin[k]);
             y += request.sheet.up[k] * (at[k] - request.sheet.origin[k]);
         }
-        table.append(std::vector<double>{time, 1e3 * (x + request.track_noise * normal(draw)), 1e3 * (y + request.track_noise * normal(draw)), 1e3 * request.track_noise});
+        table.append(std::vector<double>{time, 1e3 * (x + request.track_noise * normal(draw)),
+            1e3 * (y + request.track_noise * normal(draw)), 1e3 * request.track_noise});
     };
     const auto& scene = run.input.scene;
-    const auto body = std::ranges::find(scene.bodies, request.track, &scene::Body::name); // the table has its columns, so it is there
+    const auto body =
+        std::ranges::find(scene.bodies, request.track, &scene::Body::name); // the table has its columns, so it is there
     add(0, scene::SolidRegion(body->shape, scene.domain.dimensions).moments().centre);
     for (std::size_t i = 0; i < times.size(); ++i) add(times[i], {(*place[0])[i], (*place[1])[i], (*place[2])[i]});
     table.sync();
@@ -132,8 +141,10 @@ void make(const PivRequest& request, const RunView& run, RunFlow& flow) {
     }
     times.sync();
     if (!request.track.empty()) write_track(request, run, draw);
-    Log(LogOutput::enabled).line(std::to_string(fields.size()) + " fields of " + std::to_string(grid.size()) + " vectors, " + std::to_string(valid) + " measured, largest speed " +
-                            format_number(speed) + " m/s, noise " + format_number(request.noise * speed) + " m/s, in " + request.out.string());
+    Log(LogOutput::enabled)
+        .line(std::to_string(fields.size()) + " fields of " + std::to_string(grid.size()) + " vectors, " +
+              std::to_string(valid) + " measured, largest speed " + format_number(speed) + " m/s, noise " +
+              format_number(request.noise * speed) + " m/s, in " + request.out.string());
 }
 } // namespace
 
@@ -143,7 +154,8 @@ ExitCode make_piv_fields(const Comm& comm, const PivRequest& request) {
     RunFlow flow(comm, run);
     comm.guard_root([&] {
         if (request.last > run.frames.back().time * (1 + 1e-9)) {
-            throw InputError({"--to " + format_number(request.last), "is after the run's last frame", "that is at " + format_number(run.frames.back().time) + " s", "give an earlier time"});
+            throw InputError({"--to " + format_number(request.last), "is after the run's last frame",
+                "that is at " + format_number(run.frames.back().time) + " s", "give an earlier time"});
         }
         make(request, run, flow);
     });

@@ -27,10 +27,13 @@ const identify::SheetFlow& RunFlow::frame(std::size_t k) {
     fresh->number = k;
     fresh->frame = io::read_frame(run_.frame(k));
     const auto* velocity = fresh->frame.find("velocity");
-    if (!velocity) throw InputError({run_.frame(k).string(), "has no velocity", "PIV measures it", "add velocity to output.fields of the scene"});
+    if (!velocity)
+        throw InputError({run_.frame(k).string(), "has no velocity", "PIV measures it",
+            "add velocity to output.fields of the scene"});
     fresh->solids = solids_.at(fresh->frame.step);
-    fresh->sampler = std::make_unique<identify::VelocitySampler>(fresh->frame.positions, std::get<std::vector<double>>(velocity->values), particle_spacing(run_.input),
-                                                                 run_.input.scene.domain.dimensions);
+    fresh->sampler = std::make_unique<identify::VelocitySampler>(fresh->frame.positions,
+        std::get<std::vector<double>>(velocity->values), particle_spacing(run_.input),
+        run_.input.scene.domain.dimensions);
     auto& loaded = *fresh;
     loaded.flow.time = loaded.frame.time;
     loaded.flow.liquid = [&loaded](const Vec3& x) { return loaded.sampler->at(x); };
@@ -49,7 +52,8 @@ const identify::SheetFlow& RunFlow::frame(std::size_t k) {
 std::array<std::size_t, 2> RunFlow::around(double time) const {
     const auto& frames = run_.frames;
     const auto later = std::ranges::upper_bound(frames, time, {}, &io::SeriesEntry::time);
-    const auto after = std::clamp<std::ptrdiff_t>(later - frames.begin(), 1, std::max<std::ptrdiff_t>(1, std::ptrdiff_t(frames.size()) - 1));
+    const auto after = std::clamp<std::ptrdiff_t>(
+        later - frames.begin(), 1, std::max<std::ptrdiff_t>(1, std::ptrdiff_t(frames.size()) - 1));
     return {std::size_t(after - 1), std::min(std::size_t(after), frames.size() - 1)};
 }
 

@@ -23,16 +23,18 @@ namespace {
 using video::FrameSilhouette;
 
 std::vector<std::string> columns() {
-    return {"frame", "time [s]", "stamp [s]", "area [px]", "left [px]", "top [px]", "right [px]", "bottom [px]", "centroid x [px]",
-            "centroid y [px]", "parts", "dropped specks", "dropped area [px]", "filled holes [px]", "excluded [px]", "shadow [px]", "faint [px]",
-            "moved [px]", "edge width [px]", "contrast", "gain", "shift x [px]", "shift y [px]", "turn [rad]", "background changed"};
+    return {"frame", "time [s]", "stamp [s]", "area [px]", "left [px]", "top [px]", "right [px]", "bottom [px]",
+        "centroid x [px]", "centroid y [px]", "parts", "dropped specks", "dropped area [px]", "filled holes [px]",
+        "excluded [px]", "shadow [px]", "faint [px]", "moved [px]", "edge width [px]", "contrast", "gain",
+        "shift x [px]", "shift y [px]", "turn [rad]", "background changed"};
 }
 
 std::vector<double> row_of(const FrameSilhouette& s) {
     const auto number = [](auto value) { return static_cast<double>(value); };
-    return {number(s.index), s.time, s.stamp, number(s.area), number(s.left), number(s.top), number(s.right), number(s.bottom), s.centre_x,
-            s.centre_y, number(s.cleaning.parts), number(s.cleaning.specks), number(s.cleaning.dropped), number(s.cleaning.filled), number(s.excluded),
-            number(s.shadow), s.faint, number(s.moved), s.edge_width, s.contrast, s.gain, s.shift.x, s.shift.y, s.shift.angle, s.shift.changed};
+    return {number(s.index), s.time, s.stamp, number(s.area), number(s.left), number(s.top), number(s.right),
+        number(s.bottom), s.centre_x, s.centre_y, number(s.cleaning.parts), number(s.cleaning.specks),
+        number(s.cleaning.dropped), number(s.cleaning.filled), number(s.excluded), number(s.shadow), s.faint,
+        number(s.moved), s.edge_width, s.contrast, s.gain, s.shift.x, s.shift.y, s.shift.angle, s.shift.changed};
 }
 
 std::string digits(double value, int after_point) {
@@ -88,26 +90,29 @@ void require_motion(const video::ClipInfo& info, const Totals& totals, const std
         return largest;
     };
     if (most([](const FrameSilhouette& s) { return s.area; }) > 0)
-        throw InputError({info.file, "nothing moves in it: the silhouette stays as it is", "a flow is needed", "choose the clip with the experiment"});
+        throw InputError({info.file, "nothing moves in it: the silhouette stays as it is", "a flow is needed",
+            "choose the clip with the experiment"});
     const auto shadow = most([](const FrameSilhouette& s) { return s.shadow; });
     if (shadow > 500)
-        throw InputError({info.file, "no liquid is found in it, but shadows of up to " + std::to_string(shadow) + " pixels",
-                          "what is darker than the background in the same colour, by less than shadow_ratio, counts as a shadow",
-                          "give --set shadow_ratio=1, or a value between the shadow's and the liquid's darkness"});
+        throw InputError(
+            {info.file, "no liquid is found in it, but shadows of up to " + std::to_string(shadow) + " pixels",
+                "what is darker than the background in the same colour, by less than shadow_ratio, counts as a shadow",
+                "give --set shadow_ratio=1, or a value between the shadow's and the liquid's darkness"});
     throw InputError({info.file, "no liquid is found in it", "no part of a frame differs enough from the background",
-                      "try another method, or less of deviations, min_difference or min_area"});
+        "try another method, or less of deviations, min_difference or min_area"});
 }
 
 void tell(Log& log, const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,
-          const std::optional<video::MotionStart>& start) {
+    const std::optional<video::MotionStart>& start) {
     for (const auto& note : notes) log.line(note);
     if (info.stamps.front() != 0) log.line("the first time stamp is " + digits(info.stamps.front(), 6) + " s");
     if (info.variable_rate()) log.line("the rate is variable: times are the frames' own");
     if (totals.largest_shift > 0.3)
-        log.warn("the camera has moved: frames are shifted by up to " + digits(totals.largest_shift, 2) + " px (frame " +
-                 std::to_string(totals.shifted) + ") and were registered onto the first");
+        log.warn("the camera has moved: frames are shifted by up to " + digits(totals.largest_shift, 2) +
+                 " px (frame " + std::to_string(totals.shifted) + ") and were registered onto the first");
     if (totals.area > 0 && totals.faint > 0.02 * totals.area)
-        log.warn(digits(100 * totals.faint / totals.area, 1) + " % of the liquid is faint: a reflection in the floor or a wetted film may be among it; "
+        log.warn(digits(100 * totals.faint / totals.area, 1) +
+                 " % of the liquid is faint: a reflection in the floor or a wetted film may be among it; "
                  "exclude it by a polygon (exclusions)");
     if (start)
         log.line("first moving frame: " + std::to_string(start->frame) + ", at " + digits(start->time, 6) + " s +- " +
@@ -116,8 +121,8 @@ void tell(Log& log, const video::ClipInfo& info, const Totals& totals, const std
         log.warn("the liquid moves from the first frames on: it may have started before them");
 }
 
-nlohmann::ordered_json summary_of(const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,
-                                  const std::optional<video::MotionStart>& start) {
+nlohmann::ordered_json summary_of(const video::ClipInfo& info, const Totals& totals,
+    const std::vector<std::string>& notes, const std::optional<video::MotionStart>& start) {
     nlohmann::ordered_json out;
     out["clip"] = info.file;
     out["width"] = info.width;
@@ -126,7 +131,9 @@ nlohmann::ordered_json summary_of(const video::ClipInfo& info, const Totals& tot
     out["variable_rate"] = info.variable_rate();
     out["largest_shift_px"] = totals.largest_shift;
     out["faint_share"] = totals.area > 0 ? totals.faint / totals.area : 0;
-    if (start) out["first_moving_frame"] = {{"frame", start->frame}, {"time_s", start->time}, {"uncertainty_s", start->uncertainty}};
+    if (start)
+        out["first_moving_frame"] = {
+            {"frame", start->frame}, {"time_s", start->time}, {"uncertainty_s", start->uncertainty}};
     out["notes"] = notes;
     return out;
 }
@@ -139,8 +146,8 @@ void work(const SilhouettesRequest& request) {
     const auto& info = source->info();
     const auto count = std::ssize(info.stamps);
     FolderUnderWay folder(request.out, request.existing);
-    log.line(info.file + ": " + info.kind + ", " + std::to_string(info.width) + " x " + std::to_string(info.height) + " pixels, " +
-             std::to_string(count) + " frames");
+    log.line(info.file + ": " + info.kind + ", " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+             " pixels, " + std::to_string(count) + " frames");
     Progress look(log, "background", "frames"), progress(log, "silhouettes", "frames");
     video::SilhouetteMaker maker(*source, settings, [&](std::int64_t done, std::int64_t of) { look.report(done, of); });
     look.finish();
@@ -162,7 +169,8 @@ void work(const SilhouettesRequest& request) {
     table.sync();
     if (overlay) overlay->finish();
     write_file_atomically(folder.path() / "settings.yaml", video::silhouette_settings_text(settings));
-    write_file_atomically(folder.path() / "summary.json", summary_of(info, totals, maker.notes(), start).dump(2) + "\n");
+    write_file_atomically(
+        folder.path() / "summary.json", summary_of(info, totals, maker.notes(), start).dump(2) + "\n");
     folder.finish();
     tell(log, info, totals, maker.notes(), start);
     log.line(std::to_string(totals.frames.size()) + " silhouettes: " + (request.out / "silhouettes.csv").string());

@@ -89,8 +89,7 @@ Node& find_item(Node& list, const std::string& word, const std::string& place) {
     if (const auto index = read_index(word)) {
         if (*index < list.items.size()) return list.items[*index];
         throw InputError({place, "there is no item " + word,
-                          "the list has " + std::to_string(list.items.size()) + " items, counted from 0",
-                          ""});
+            "the list has " + std::to_string(list.items.size()) + " items, counted from 0", ""});
     }
     for (auto& item : list.items) {
         const auto* name = item.find("name");
@@ -99,15 +98,15 @@ Node& find_item(Node& list, const std::string& word, const std::string& place) {
     const auto names = names_of(list);
     const auto close = nearest(word, names);
     throw InputError({place, "there is no item named " + word,
-                      names.empty() ? "the items have no names" : "the names are " + join(names, ", "),
-                      close ? "did you mean " + *close + "?" : "use its number, counted from 0"});
+        names.empty() ? "the items have no names" : "the names are " + join(names, ", "),
+        close ? "did you mean " + *close + "?" : "use its number, counted from 0"});
 }
 
 Node& find_or_make(Node& node, const std::string& word, const std::string& place) {
     if (node.kind == Node::Kind::list) return find_item(node, word, place);
     if (node.kind == Node::Kind::scalar) {
         throw InputError({place, word + " would be a key of \"" + node.brief() + "\", which is not a block",
-                          "it is given at " + node.place, "override it as a whole, for instance ={...}"});
+            "it is given at " + node.place, "override it as a whole, for instance ={...}"});
     }
     if (node.kind == Node::Kind::null) {
         node.kind = Node::Kind::block;
@@ -133,8 +132,7 @@ void Document::set(const std::string& assignment, const std::string& origin) {
         const auto parts = split(path, '.');
         const bool gap = std::ranges::find(parts, "") != parts.end();
         if (equals == std::string::npos || gap) {
-            throw InputError(
-                {place, "is not of the form a.b.c=value", "", "write for instance --set time.end=2"});
+            throw InputError({place, "is not of the form a.b.c=value", "", "write for instance --set time.end=2"});
         }
         auto value = read_yaml(assignment.substr(equals + 1), "--set", place);
         Node* node = &tree_->root;

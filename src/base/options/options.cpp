@@ -60,7 +60,7 @@ Range range_above_to(double min, double max) {
 void Declaration::direction(const std::string& key, Vec3& value, const std::string& doc, VectorKind kind) {
     vec3(key, value, unit::none, doc, kind);
     check(std::ranges::any_of(value, [](double x) { return x != 0; }), key,
-          {"must not be zero", "it gives a direction", "write for instance [0, 1, 0]"});
+        {"must not be zero", "it gives a direction", "write for instance [0, 1, 0]"});
 }
 
 } // namespace treacle

@@ -69,25 +69,26 @@ public:
 
     // Keys of the current block. A visitor that parses sets the value where the document has the key, and collects
     // problems (type, unit, range, unknown key) instead of throwing; other visitors leave the value as it is.
-    virtual void number(const std::string& key, double& value, const Unit& unit, const Range& range,
-                        const std::string& doc) = 0;
+    virtual void number(
+        const std::string& key, double& value, const Unit& unit, const Range& range, const std::string& doc) = 0;
     virtual void integer(const std::string& key, int& value, const Range& range, const std::string& doc) = 0;
     virtual void boolean(const std::string& key, bool& value, const std::string& doc) = 0;
     virtual void text(const std::string& key, std::string& value, const std::string& doc) = 0;
     // With `allowed`, each must be one of these.
     virtual void texts(const std::string& key, std::vector<std::string>& value, const std::string& doc,
-                       const std::vector<std::string>& allowed = {}) = 0;
+        const std::vector<std::string>& allowed = {}) = 0;
     // A list of any length, each within `range`.
-    virtual void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) = 0;
+    virtual void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range,
+        const std::string& doc) = 0;
     virtual void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
-                      VectorKind kind = VectorKind::in_plane) = 0;
+        VectorKind kind = VectorKind::in_plane) = 0;
     // An axis or normal: not zero, no unit, of any length. `in_plane`: in 2D scenes without a third number.
     void direction(const std::string& key, Vec3& value, const std::string& doc, VectorKind kind = VectorKind::in_space);
 
     // One of the names of `choices`. A value that is none of them becomes the first.
     template <class E>
     void choice(const std::string& key, E& value, const std::vector<std::pair<std::string, E>>& choices,
-                const std::string& doc);
+        const std::string& doc);
 
     // A block of keys. With a `shorthand`, a word in its place is taken for that key of it: `x_min: wall`.
     template <class T>
@@ -95,11 +96,11 @@ public:
         block_of(
             key, [&value](Declaration& d) { declare_members(d, value); }, doc, shorthand);
     }
-    virtual void block_of(const std::string& key, const Members& members, const std::string& doc,
-                          const std::string& shorthand = "") = 0;
+    virtual void block_of(
+        const std::string& key, const Members& members, const std::string& doc, const std::string& shorthand = "") = 0;
     // A block that may be absent; `present`: true when it is there before; result: true when it is there after.
-    virtual bool optional_block(const std::string& key, bool present, const Members& members,
-                                const std::string& doc) = 0;
+    virtual bool optional_block(
+        const std::string& key, bool present, const Members& members, const std::string& doc) = 0;
 
     // A list of blocks. In messages an item goes by its key `name`, else by its number.
     template <class T>
@@ -143,15 +144,15 @@ public:
     }
 
 protected:
-    virtual void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
-                        const std::string& doc) = 0;
+    virtual void choose(
+        const std::string& key, std::size_t& index, const std::vector<std::string>& names, const std::string& doc) = 0;
     virtual void choose_key(std::size_t& index, const std::vector<Alternative>& alternatives) = 0;
 };
 
 // Definition of the choice by choose(), which goes by the names' indices.
 template <class E>
-void Declaration::choice(const std::string& key, E& value,
-                         const std::vector<std::pair<std::string, E>>& choices, const std::string& doc) {
+void Declaration::choice(
+    const std::string& key, E& value, const std::vector<std::pair<std::string, E>>& choices, const std::string& doc) {
     std::vector<std::string> names;
     std::size_t index = 0;
     for (const auto& [name, meaning] : choices) {

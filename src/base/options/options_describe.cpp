@@ -17,26 +17,18 @@ bool has_members(const OptionEntry& entry) { return entry.kind == Kind::block ||
 std::string type_of(const OptionEntry& entry) {
     const std::string unit = entry.unit.si.empty() ? "" : " [" + std::string(entry.unit.si) + "]";
     switch (entry.kind) {
-    case Kind::number:
-        return "number" + unit;
-    case Kind::integer:
-        return "whole number";
-    case Kind::boolean:
-        return "true or false";
-    case Kind::text:
-        return "text";
-    case Kind::texts:
-        return entry.words.empty() ? "list of words" : "list of " + join(entry.words, ", ");
-    case Kind::numbers:
-        return "list of numbers" + unit;
+    case Kind::number: return "number" + unit;
+    case Kind::integer: return "whole number";
+    case Kind::boolean: return "true or false";
+    case Kind::text: return "text";
+    case Kind::texts: return entry.words.empty() ? "list of words" : "list of " + join(entry.words, ", ");
+    case Kind::numbers: return "list of numbers" + unit;
     case Kind::vec3:
-        return (entry.vector == VectorKind::turning ? "3 numbers, or in a plane scene one about z," : "3 numbers") + unit;
-    case Kind::choice:
-        return "one of " + join(entry.words, ", ");
-    case Kind::list:
-        return "list of blocks";
-    case Kind::block:
-        return entry.shorthand.empty() ? "block" : "block, or a word for its " + entry.shorthand;
+        return (entry.vector == VectorKind::turning ? "3 numbers, or in a plane scene one about z," : "3 numbers") +
+               unit;
+    case Kind::choice: return "one of " + join(entry.words, ", ");
+    case Kind::list: return "list of blocks";
+    case Kind::block: return entry.shorthand.empty() ? "block" : "block, or a word for its " + entry.shorthand;
     }
     return "";
 }
@@ -70,8 +62,7 @@ std::string write_detail(const OptionEntry& entry, const std::string& path) {
                "; with a unit: " + std::string(entry.unit.accepted) + ".\n";
     }
     if (!entry.range.reason.empty()) {
-        out +=
-            "    " + entry.range.reason + (entry.range.cure.empty() ? "" : "; " + entry.range.cure) + ".\n";
+        out += "    " + entry.range.reason + (entry.range.cure.empty() ? "" : "; " + entry.range.cure) + ".\n";
     }
     return out;
 }
@@ -103,8 +94,7 @@ const OptionEntry* find_entry(const OptionEntry& root, const std::string& path) 
         const auto end = std::min(path.find('.', start), path.size());
         const auto part = path.substr(start, end - start);
         start = end + 1;
-        const bool item =
-            !part.empty() && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
+        const bool item = !part.empty() && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
         if (item && entry->kind == Kind::list) continue;
         const auto found = std::ranges::find(entry->members, part, &OptionEntry::key);
         if (found == entry->members.end()) return nullptr;

@@ -38,8 +38,7 @@ public:
     void start_item() { dash_ = true; }
     bool wrote_nothing() const { return first_; }
 
-    void number(const std::string& key, double& value, const Unit& unit, const Range&,
-                const std::string&) override {
+    void number(const std::string& key, double& value, const Unit& unit, const Range&, const std::string&) override {
         line(key, with_unit(format_number(value), unit));
     }
     void integer(const std::string& key, int& value, const Range&, const std::string&) override {
@@ -48,30 +47,27 @@ public:
     void boolean(const std::string& key, bool& value, const std::string&) override {
         line(key, value ? "true" : "false");
     }
-    void text(const std::string& key, std::string& value, const std::string&) override {
-        line(key, in_quotes(value));
-    }
+    void text(const std::string& key, std::string& value, const std::string&) override { line(key, in_quotes(value)); }
     void texts(const std::string& key, std::vector<std::string>& value, const std::string&,
-               const std::vector<std::string>&) override {
+        const std::vector<std::string>&) override {
         std::vector<std::string> words;
         for (const auto& word : value) words.push_back(in_quotes(word));
         line(key, "[" + join(words, ", ") + "]");
     }
-    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range&, const std::string&) override {
+    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range&,
+        const std::string&) override {
         std::vector<std::string> parts;
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
         line(key, "[" + join(parts, ", ") + "]");
     }
-    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&,
-              VectorKind kind) override {
+    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&, VectorKind kind) override {
         std::vector<std::string> parts;
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
         if (plane_vectors() && kind == VectorKind::in_plane) parts.pop_back();
         line(key, "[" + join(parts, ", ") + "]");
     }
 
-    void block_of(const std::string& key, const Members& members, const std::string&,
-                  const std::string&) override {
+    void block_of(const std::string& key, const Members& members, const std::string&, const std::string&) override {
         const auto before = out_.size();
         const bool first_before = first_;
         line(key, "");
@@ -82,8 +78,7 @@ public:
         first_ = first_before;
         line(key, "{}");
     }
-    bool optional_block(const std::string& key, bool present, const Members& members,
-                        const std::string& doc) override {
+    bool optional_block(const std::string& key, bool present, const Members& members, const std::string& doc) override {
         if (present) block_of(key, members, doc, "");
         return present;
     }
@@ -105,7 +100,7 @@ public:
 
 protected:
     void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
-                const std::string&) override {
+        const std::string&) override {
         line(key, names[index]);
     }
     void choose_key(std::size_t& index, const std::vector<Alternative>& alternatives) override {

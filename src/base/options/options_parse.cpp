@@ -27,8 +27,8 @@ public:
         : session_(session), node_(node), path_(std::move(path)), manual_path_(std::move(manual_path)),
           unreadable_before_(session.unreadable) {}
 
-    void number(const std::string& key, double& value, const Unit& unit, const Range& range,
-                const std::string& doc) override {
+    void number(
+        const std::string& key, double& value, const Unit& unit, const Range& range, const std::string& doc) override {
         const Node* node = find(key, doc);
         if (!node || !expect(*node, key, Node::Kind::scalar, "must be a number")) return;
         read_number(*node, key, value, unit, range);
@@ -67,7 +67,7 @@ public:
     }
 
     void texts(const std::string& key, std::vector<std::string>& value, const std::string& doc,
-               const std::vector<std::string>& allowed) override {
+        const std::vector<std::string>& allowed) override {
         const Node* node = find(key, doc);
         if (!node || !expect(*node, key, Node::Kind::list, "must be a list of words")) return;
         std::vector<std::string> read;
@@ -83,7 +83,8 @@ public:
         value = std::move(read);
     }
 
-    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) override {
+    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range,
+        const std::string& doc) override {
         const Node* node = find(key, doc);
         if (!node || !expect(*node, key, Node::Kind::list, "must be a list of numbers")) return;
         std::vector<double> read(node->items.size());
@@ -95,8 +96,7 @@ public:
         value = std::move(read);
     }
 
-    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
-              VectorKind kind) override {
+    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc, VectorKind kind) override {
         const Node* node = find(key, doc);
         const bool turns = session_.plane_vectors && kind == VectorKind::turning;
         if (turns && node && node->kind == Node::Kind::scalar) {
@@ -104,8 +104,9 @@ public:
             if (read_number(*node, key, about_z, unit, range_any())) value = {0, 0, about_z};
             return;
         }
-        const std::string must = turns ? "must be a number, or a list of 3 numbers of which the first two are 0"
-                                       : std::string("must be a list of ") + (session_.plane_vectors ? "2 numbers" : "3 numbers");
+        const std::string must =
+            turns ? "must be a number, or a list of 3 numbers of which the first two are 0"
+                  : std::string("must be a list of ") + (session_.plane_vectors ? "2 numbers" : "3 numbers");
         if (!node || !expect(*node, key, Node::Kind::list, must)) return;
         const auto count = node->items.size();
         if (count != 3 && !(count == 2 && session_.plane_vectors && !turns)) {
@@ -119,20 +120,20 @@ public:
             if (!read_number(node->items[i], path, read[i], unit, range_any())) return;
         }
         if (session_.plane_vectors && kind == VectorKind::in_plane && read[2] != 0) {
-            complain(*node, key,
-                     {"must have no third number", "the scene is plane", "leave it out or write 0"});
+            complain(*node, key, {"must have no third number", "the scene is plane", "leave it out or write 0"});
             return;
         }
         if (turns && (read[0] != 0 || read[1] != 0)) {
-            complain(*node, key, {"must be about z alone", "the scene is plane, and would be left by what turns about x or y",
-                                  "write a number, which is about z, or dimensions: 3"});
+            complain(*node, key,
+                {"must be about z alone", "the scene is plane, and would be left by what turns about x or y",
+                    "write a number, which is about z, or dimensions: 3"});
             return;
         }
         value = read;
     }
 
-    void block_of(const std::string& key, const Members& members, const std::string& doc,
-                  const std::string& shorthand) override {
+    void block_of(
+        const std::string& key, const Members& members, const std::string& doc, const std::string& shorthand) override {
         const Node* node = find(key, doc);
         // Absent is as good as empty: the required keys inside are then found missing.
         Node empty;
@@ -149,8 +150,7 @@ public:
         if (!node && session_.problems.size() > before) lacking_.insert(key);
     }
 
-    bool optional_block(const std::string& key, bool, const Members& members,
-                        const std::string& doc) override {
+    bool optional_block(const std::string& key, bool, const Members& members, const std::string& doc) override {
         const Node* node = find(key, doc);
         if (!node || !expect(*node, key, Node::Kind::block, "must be a block of keys")) return false;
         parse_block(*node, key, key, members);
@@ -159,8 +159,7 @@ public:
 
     void list_of(const std::string& key, const Items& items, const std::string& doc) override {
         const Node* node = find(key, doc);
-        if (!node || !expect(*node, key, Node::Kind::list, "must be a list, each item starting with \"- \""))
-            return;
+        if (!node || !expect(*node, key, Node::Kind::list, "must be a list, each item starting with \"- \"")) return;
         items.clear();
         for (std::size_t i = 0; i < node->items.size(); ++i) {
             const auto& item = node->items[i];
@@ -175,7 +174,7 @@ public:
         if (node_.find(key) || lacking_.contains(key)) return;
         const auto doc = docs_.find(key);
         report({node_.place, full(key) + " is missing", doc == docs_.end() ? "" : plain(doc->second),
-                "see `treacle schema " + below(manual_path_, key) + "`"});
+            "see `treacle schema " + below(manual_path_, key) + "`"});
     }
 
     void check(bool ok, const std::string& key, const Complaint& complaint) override {
@@ -183,9 +182,8 @@ public:
         const Node* node = node_.find(key);
         Node absent;
         absent.place = node_.place;
-        const bool shown =
-            node && node->kind != Node::Kind::block &&
-            std::ranges::all_of(node->items, [](auto& item) { return item.kind == Node::Kind::scalar; });
+        const bool shown = node && node->kind != Node::Kind::block &&
+                           std::ranges::all_of(node->items, [](auto& item) { return item.kind == Node::Kind::scalar; });
         add(node ? *node : absent, key, complaint, shown ? node->brief() : "");
     }
 
@@ -206,15 +204,14 @@ public:
         for (const auto& member : node_.members) {
             if (docs_.contains(member.key)) continue;
             const auto close = nearest(member.key, known);
-            session_.problems.push_back(
-                {member.place, full(shorten(member.key)) + " is not a known key", "",
-                 close ? "did you mean " + *close + "?" : "known here: " + join(known, ", ")});
+            session_.problems.push_back({member.place, full(shorten(member.key)) + " is not a known key", "",
+                close ? "did you mean " + *close + "?" : "known here: " + join(known, ", ")});
         }
     }
 
 protected:
     void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
-                const std::string& doc) override {
+        const std::string& doc) override {
         const Node* node = find(key, doc);
         if (!node || !expect(*node, key, Node::Kind::scalar, "must be one of " + join(names, ", "))) return;
         const auto found = std::ranges::find(names, node->text);
@@ -233,8 +230,7 @@ protected:
             docs_[alternative.key] = alternative.doc;
         }
         if (given_keys.size() != 1) {
-            const auto what =
-                given_keys.empty() ? "has no " + join(keys, ", ") : "has " + join(given_keys, " and ");
+            const auto what = given_keys.empty() ? "has no " + join(keys, ", ") : "has " + join(given_keys, " and ");
             report({node_.place, path_ + " " + what, "exactly one of these keys is given", ""});
             return;
         }
@@ -264,8 +260,7 @@ private:
         return node_.find(key);
     }
 
-    void parse_block(const Node& node, const std::string& key, const std::string& manual_key,
-                     const Members& members) {
+    void parse_block(const Node& node, const std::string& key, const std::string& manual_key, const Members& members) {
         BlockParser parser(session_, node, full(key), below(manual_path_, manual_key));
         members(parser);
         parser.reject_unknown_keys();
@@ -281,8 +276,7 @@ private:
         return false;
     }
 
-    bool read_number(const Node& node, const std::string& key, double& value, const Unit& unit,
-                     const Range& range) {
+    bool read_number(const Node& node, const std::string& key, double& value, const Unit& unit, const Range& range) {
         const auto result = read_quantity(node.text, unit);
         const auto text = with_unit(node.brief(), unit);
         if (const auto* complaint = std::get_if<Complaint>(&result)) {
@@ -342,15 +336,18 @@ void parse_root(const Document& document, const Declaration::Members& root, Othe
     } else {
         const bool empty = tree.root.kind == Node::Kind::null;
         session.problems.push_back({tree.root.place, empty ? "the file is empty" : "is not a block of keys",
-                                    "a scene is lines of the form `key: value`",
-                                    "start from a file in inputs/"});
+            "a scene is lines of the form `key: value`", "start from a file in inputs/"});
     }
     if (!session.problems.empty()) throw InputError(std::move(session.problems));
 }
 
 } // namespace
 
-void parse_document(const Document& document, const Declaration::Members& root) { parse_root(document, root, OtherKeys::refused); }
-void parse_some(const Document& document, const Declaration::Members& root) { parse_root(document, root, OtherKeys::left_alone); }
+void parse_document(const Document& document, const Declaration::Members& root) {
+    parse_root(document, root, OtherKeys::refused);
+}
+void parse_some(const Document& document, const Declaration::Members& root) {
+    parse_root(document, root, OtherKeys::left_alone);
+}
 
 } // namespace treacle

@@ -20,8 +20,7 @@ void add_range(Json& schema, const Range& range) {
 Json quantity(const Range& range) {
     Json plain = {{"type", "number"}};
     add_range(plain, range);
-    const Json with_unit = {{"type", "string"},
-                            {"pattern", "^\\s*[-+]?(\\d+\\.?\\d*|\\.\\d+)([eE][-+]?\\d+)?"}};
+    const Json with_unit = {{"type", "string"}, {"pattern", "^\\s*[-+]?(\\d+\\.?\\d*|\\.\\d+)([eE][-+]?\\d+)?"}};
     return {{"anyOf", Json::array({plain, with_unit})}};
 }
 
@@ -60,33 +59,25 @@ Json texts_of(const OptionEntry& entry) {
 
 Json type_of(const OptionEntry& entry) {
     switch (entry.kind) {
-    case Kind::number:
-        return quantity(entry.range);
+    case Kind::number: return quantity(entry.range);
     case Kind::integer: {
         Json out = {{"type", "integer"}};
         add_range(out, entry.range);
         return out;
     }
-    case Kind::boolean:
-        return {{"type", "boolean"}};
+    case Kind::boolean: return {{"type", "boolean"}};
     // YAML reads an unquoted 5 as a number; it is a text here.
-    case Kind::text:
-        return {{"type", Json::array({"string", "number", "boolean"})}};
-    case Kind::texts:
-        return texts_of(entry);
-    case Kind::numbers:
-        return {{"type", "array"}, {"items", quantity(entry.range)}};
+    case Kind::text: return {{"type", Json::array({"string", "number", "boolean"})}};
+    case Kind::texts: return texts_of(entry);
+    case Kind::numbers: return {{"type", "array"}, {"items", quantity(entry.range)}};
     case Kind::vec3: {
         const Json list = {{"type", "array"}, {"items", quantity(range_any())}, {"minItems", 2}, {"maxItems", 3}};
         if (entry.vector != VectorKind::turning) return list;
         return {{"anyOf", Json::array({quantity(range_any()), list})}};
     }
-    case Kind::choice:
-        return {{"enum", entry.words}};
-    case Kind::block:
-        return block_of(entry);
-    case Kind::list:
-        return {{"type", "array"}, {"items", object_of(entry)}};
+    case Kind::choice: return {{"enum", entry.words}};
+    case Kind::block: return block_of(entry);
+    case Kind::list: return {{"type", "array"}, {"items", object_of(entry)}};
     }
     return {};
 }

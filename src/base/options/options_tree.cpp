@@ -9,8 +9,7 @@ namespace treacle {
 namespace {
 
 std::string format_vector(const Vec3& value) {
-    return "[" + format_number(value[0]) + ", " + format_number(value[1]) + ", " + format_number(value[2]) +
-           "]";
+    return "[" + format_number(value[0]) + ", " + format_number(value[1]) + ", " + format_number(value[2]) + "]";
 }
 
 class Describer : public Declaration {
@@ -19,8 +18,8 @@ public:
 
     explicit Describer(OptionEntry& block) : block_(block) {}
 
-    void number(const std::string& key, double& value, const Unit& unit, const Range& range,
-                const std::string& doc) override {
+    void number(
+        const std::string& key, double& value, const Unit& unit, const Range& range, const std::string& doc) override {
         auto& entry = add(key, Kind::number, doc);
         entry.default_text = with_unit(format_number(value), unit);
         entry.unit = unit;
@@ -42,13 +41,14 @@ public:
     }
 
     void texts(const std::string& key, std::vector<std::string>& value, const std::string& doc,
-               const std::vector<std::string>& allowed) override {
+        const std::vector<std::string>& allowed) override {
         auto& entry = add(key, Kind::texts, doc);
         entry.default_text = "[" + join(value, ", ") + "]";
         entry.words = allowed;
     }
 
-    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range, const std::string& doc) override {
+    void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range& range,
+        const std::string& doc) override {
         auto& entry = add(key, Kind::numbers, doc);
         std::vector<std::string> parts;
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
@@ -57,23 +57,21 @@ public:
         entry.range = range;
     }
 
-    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc,
-              VectorKind kind) override {
+    void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string& doc, VectorKind kind) override {
         auto& entry = add(key, Kind::vec3, doc);
         entry.vector = kind;
         entry.default_text = format_vector(value);
         entry.unit = unit;
     }
 
-    void block_of(const std::string& key, const Members& members, const std::string& doc,
-                  const std::string& shorthand) override {
+    void block_of(
+        const std::string& key, const Members& members, const std::string& doc, const std::string& shorthand) override {
         auto& entry = add(key, Kind::block, doc);
         entry.shorthand = shorthand;
         describe_members(entry, members);
     }
 
-    bool optional_block(const std::string& key, bool present, const Members& members,
-                        const std::string& doc) override {
+    bool optional_block(const std::string& key, bool present, const Members& members, const std::string& doc) override {
         describe_members(add(key, Kind::block, doc), members);
         return present;
     }
@@ -90,7 +88,7 @@ public:
 
 protected:
     void choose(const std::string& key, std::size_t& index, const std::vector<std::string>& names,
-                const std::string& doc) override {
+        const std::string& doc) override {
         auto& entry = add(key, Kind::choice, doc);
         entry.default_text = names[index];
         entry.words = names;

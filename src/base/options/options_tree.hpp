@@ -15,7 +15,7 @@ struct OptionEntry {
     Kind kind = Kind::block;                  // block: `members`; choice and texts: `words`
     Presence presence = Presence::optional;   // one_of: one of the keys of its block that exclude each other
     std::string doc;                          // sentence of the manual
-    std::string default_text;                     // the default, as one would write it; empty for blocks and lists of them
+    std::string default_text;                 // the default, as one would write it; empty for blocks and lists of them
     Unit unit = unit::none;                   // of numbers and vectors
     Range range;                              // of numbers
     std::vector<std::string> words;           // that a choice or each of the texts may be

@@ -23,18 +23,20 @@ void each_block(Node& node, std::span<const std::string> parts, const std::strin
     if (parts.size() == 1) {
         if (node.kind == Node::Kind::block) visit(node, where);
     } else if (parts.front() == "*") {
-        for (std::size_t i = 0; i < node.items.size(); ++i) each_block(node.items[i], parts.subspan(1), below(where, name_of(node.items[i], i)), visit);
+        for (std::size_t i = 0; i < node.items.size(); ++i)
+            each_block(node.items[i], parts.subspan(1), below(where, name_of(node.items[i], i)), visit);
     } else if (Node* inner = node.find(parts.front())) {
         each_block(*inner, parts.subspan(1), below(where, parts.front()), visit);
     }
 }
 
-void rename_key(DocumentTree& tree, Node& block, const std::string& where, const std::string& key, const std::string& now) {
+void rename_key(
+    DocumentTree& tree, Node& block, const std::string& where, const std::string& key, const std::string& now) {
     const auto old = std::ranges::find(block.members, key, &Node::Member::key);
     if (old == block.members.end()) return;
     if (const Node* present = block.find(now)) {
-        tree.problems.push_back({old->place, below(where, key) + " is now " + now + ", which is given as well", "it is at " + present->place,
-                                 "leave " + key + " out"});
+        tree.problems.push_back({old->place, below(where, key) + " is now " + now + ", which is given as well",
+            "it is at " + present->place, "leave " + key + " out"});
         block.members.erase(old);
         return;
     }
@@ -42,7 +44,8 @@ void rename_key(DocumentTree& tree, Node& block, const std::string& where, const
     old->key = now;
 }
 
-void rename_word(DocumentTree& tree, Node& block, const std::string& where, const std::string& key, const Renamed& one) {
+void rename_word(
+    DocumentTree& tree, Node& block, const std::string& where, const std::string& key, const Renamed& one) {
     Node* value = block.find(key);
     if (!value || value->kind != Node::Kind::scalar || value->text != one.word) return;
     tree.notes.push_back(value->place + ": " + below(where, key) + ": " + one.word + " is now " + one.now);
@@ -55,7 +58,8 @@ std::string present_path(const std::string& path, std::span<const Renamed> table
     for (const auto& one : table) {
         const auto pattern = split(one.path, '.');
         if (!one.word.empty() || pattern.size() > parts.size()) continue;
-        const bool fits = std::equal(pattern.begin(), pattern.end(), parts.begin(), [](const auto& a, const auto& b) { return a == "*" || a == b; });
+        const bool fits = std::equal(pattern.begin(), pattern.end(), parts.begin(),
+            [](const auto& a, const auto& b) { return a == "*" || a == b; });
         if (fits) parts[pattern.size() - 1] = one.now;
     }
     return join(parts, ".");

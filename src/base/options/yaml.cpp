@@ -27,8 +27,8 @@ public:
         add(leaf(mark, Node::Kind::null, ""), anchor);
     }
 
-    void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                  const std::string& value) override {
+    void OnScalar(
+        const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
         reject_tag(mark, tag);
         // "!" marks a quoted text: then even an empty one is a value.
         const bool null = tag != "!" && (value.empty() || value == "~" || value == "null");
@@ -37,8 +37,7 @@ public:
 
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
-        if (found == anchors_.end())
-            fail(place(mark), "an alias stands inside its own anchor", "write it out");
+        if (found == anchors_.end()) fail(place(mark), "an alias stands inside its own anchor", "write it out");
         const auto [node, size, depth] = found->second;
         Node copy = node;
         copy.place = place(mark);
@@ -47,14 +46,14 @@ public:
         attach(std::move(copy), depth);
     }
 
-    void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                         YAML::EmitterStyle::value) override {
+    void OnSequenceStart(
+        const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
         open(mark, tag, anchor, Node::Kind::list);
     }
     void OnSequenceEnd() override { close(); }
 
-    void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                    YAML::EmitterStyle::value) override {
+    void OnMapStart(
+        const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
         open(mark, tag, anchor, Node::Kind::block);
     }
     void OnMapEnd() override { close(); }
@@ -79,8 +78,7 @@ private:
         return place_.empty() ? tree_.name + ":" + std::to_string(mark.line + 1) : place_;
     }
 
-    [[noreturn]] static void fail(const std::string& place, const std::string& problem,
-                                  const std::string& cure) {
+    [[noreturn]] static void fail(const std::string& place, const std::string& problem, const std::string& cure) {
         throw InputError({place, problem, "", cure});
     }
 
@@ -99,8 +97,7 @@ private:
 
     void check_limits(const YAML::Mark& mark, std::size_t depth) const {
         if (depth > deepest) {
-            fail(place(mark), "blocks are nested more than " + std::to_string(deepest) + " deep",
-                 "flatten them");
+            fail(place(mark), "blocks are nested more than " + std::to_string(deepest) + " deep", "flatten them");
         }
         if (size_ > most_nodes) {
             fail(place(mark), "more than a million values", "give large data in a file of its own");
@@ -140,8 +137,7 @@ private:
         if (parent.node.kind == Node::Kind::list) {
             parent.node.items.push_back(std::move(node));
         } else if (!parent.key_read) {
-            if (node.kind != Node::Kind::scalar)
-                fail(node.place, "a key is not a word", "write `key: value`");
+            if (node.kind != Node::Kind::scalar) fail(node.place, "a key is not a word", "write `key: value`");
             parent.key_read = true;
             parent.key = node.text;
             parent.key_place = node.place;
@@ -157,12 +153,11 @@ private:
         for (const auto& member : parent.node.members) {
             if (member.key != parent.key) continue;
             tree_.problems.push_back({parent.key_place, "the key " + parent.key + " stands twice",
-                                      "it is already given at " + member.place, "remove one of them"});
+                "it is already given at " + member.place, "remove one of them"});
             return;
         }
         if (parent.node.members.size() == most_keys) {
-            fail(parent.key_place, "more than " + std::to_string(most_keys) + " keys in a block",
-                 "remove some");
+            fail(parent.key_place, "more than " + std::to_string(most_keys) + " keys in a block", "remove some");
         }
         parent.node.members.push_back({parent.key, parent.key_place, std::move(value)});
     }
@@ -211,17 +206,18 @@ DocumentTree read_yaml(const std::string& text, const std::string& name, const s
         Node first = std::move(tree.root);
         if (parser.HandleNextDocument(builder)) {
             throw InputError({tree.root.place, "a second document starts", "a scene is one document",
-                              "remove everything from the line `---` on"});
+                "remove everything from the line `---` on"});
         }
         tree.root = std::move(first);
     } catch (const YAML::Exception& error) {
         const auto where = place.empty() ? name + ":" + std::to_string(error.mark.line + 1) : place;
         if (indented_by_tab(text, error.mark.line)) {
-            throw InputError({where, "is not YAML: a tab stands in the indentation", "YAML indents by blanks, since a tab has no fixed width",
-                              "write blanks in the place of tabs, the same number for all keys of a block"});
+            throw InputError({where, "is not YAML: a tab stands in the indentation",
+                "YAML indents by blanks, since a tab has no fixed width",
+                "write blanks in the place of tabs, the same number for all keys of a block"});
         }
         throw InputError({where, "is not YAML: " + lower_start(error.msg), "",
-                          "check the indentation, colons and quotes around that line"});
+            "check the indentation, colons and quotes around that line"});
     }
     return tree;
 }

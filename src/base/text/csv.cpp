@@ -16,15 +16,15 @@ namespace treacle {
 
 namespace {
 [[noreturn]] void fail(const std::filesystem::path& path) {
-    throw SimulationError({path.string(), "cannot write", std::strerror(errno),
-                           "free some space or choose another folder with --out"});
+    throw SimulationError(
+        {path.string(), "cannot write", std::strerror(errno), "free some space or choose another folder with --out"});
 }
 
 std::string header(const std::filesystem::path& path, const std::vector<std::string>& columns) {
     for (const auto& column : columns) {
         if (column.find_first_of(",\"\n\r") == std::string::npos) continue;
         throw InputError({path.string(), "column \"" + column + "\" has a comma, a quote or a line break",
-                          "names become the header of the table", "choose a plainer name"});
+            "names become the header of the table", "choose a plainer name"});
     }
     return join(columns, ",") + "\n";
 }
@@ -51,8 +51,7 @@ CsvTable CsvTable::create(const std::filesystem::path& path, std::vector<std::st
     return CsvTable(path, std::move(columns));
 }
 
-CsvTable CsvTable::resume(const std::filesystem::path& path, std::vector<std::string> columns,
-                          std::int64_t last_step) {
+CsvTable CsvTable::resume(const std::filesystem::path& path, std::vector<std::string> columns, std::int64_t last_step) {
     std::ifstream old(path);
     if (!old) return create(path, std::move(columns));
     std::string kept = header(path, columns);
@@ -60,7 +59,7 @@ CsvTable CsvTable::resume(const std::filesystem::path& path, std::vector<std::st
     std::getline(old, line);
     if (line + "\n" != kept) {
         throw InputError({path.string() + ":1", "the header is not the one that this run writes",
-                          "the file belongs to another scene or version", "move it away to start a new one"});
+            "the file belongs to another scene or version", "move it away to start a new one"});
     }
     std::string last;
     // A row without its line break was cut off: getline then ends at the end of the file.

@@ -20,8 +20,7 @@ public:
     // Goes on with an existing file: keeps the rows whose first column, the step, is <= `last_step`, drops
     // the others and a last row that was cut off. Starts a new file when there is none. Throws InputError
     // when its header is not `columns`.
-    static CsvTable resume(const std::filesystem::path& path, std::vector<std::string> columns,
-                           std::int64_t last_step);
+    static CsvTable resume(const std::filesystem::path& path, std::vector<std::string> columns, std::int64_t last_step);
 
     // One number per column, else std::invalid_argument. Throws SimulationError when the disk is full.
     void append(std::span<const double> row);

@@ -22,7 +22,8 @@ const std::vector<double>* CsvColumns::find(const std::string& name) const {
 const std::vector<double>& CsvColumns::column(const std::string& name) const {
     if (const auto* found = find(name)) return *found;
     const auto close = nearest(name, names);
-    throw InputError({path.string(), "has no column " + name, "", close ? "did you mean " + *close + "?" : "its columns are " + join(names, ", ")});
+    throw InputError({path.string(), "has no column " + name, "",
+        close ? "did you mean " + *close + "?" : "its columns are " + join(names, ", ")});
 }
 
 CsvColumns read_csv(const std::filesystem::path& path) {
@@ -39,8 +40,9 @@ CsvColumns read_csv(const std::filesystem::path& path) {
             continue;
         }
         if (words.size() != out.names.size()) {
-            throw InputError({path.string() + ":" + std::to_string(number), "has " + std::to_string(words.size()) + " values",
-                              "the header names " + std::to_string(out.names.size()), "the file was damaged"});
+            throw InputError(
+                {path.string() + ":" + std::to_string(number), "has " + std::to_string(words.size()) + " values",
+                    "the header names " + std::to_string(out.names.size()), "the file was damaged"});
         }
         for (std::size_t i = 0; i < words.size(); ++i) {
             out.values[i].push_back(read_number(words[i]).value_or(std::numeric_limits<double>::quiet_NaN()));

@@ -50,8 +50,7 @@ private:
 // a disk that is full. Exit code 3.
 class SimulationError : public Error {
 public:
-    explicit SimulationError(const Diagnostic& diagnostic)
-        : Error(ExitCode::simulation_failed, diagnostic.text()) {}
+    explicit SimulationError(const Diagnostic& diagnostic) : Error(ExitCode::simulation_failed, diagnostic.text()) {}
 };
 
 } // namespace treacle

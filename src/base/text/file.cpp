@@ -13,8 +13,8 @@ namespace treacle {
 
 namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb) {
-    throw SimulationError({path.string(), "cannot " + verb, std::strerror(errno),
-                           "free some space or choose another folder with --out"});
+    throw SimulationError(
+        {path.string(), "cannot " + verb, std::strerror(errno), "free some space or choose another folder with --out"});
 }
 
 void sync_path(const std::filesystem::path& path, int flags) {

@@ -9,7 +9,8 @@ enum class Durability { synced, cached };
 
 // Replaces a file as a whole: writes a temporary name beside it, syncs, renames.
 // Throws SimulationError when the disk is full or the folder cannot be written; the old file then stands.
-void write_file_atomically(const std::filesystem::path& path, const std::string& content, Durability durability = Durability::synced);
+void write_file_atomically(
+    const std::filesystem::path& path, const std::string& content, Durability durability = Durability::synced);
 
 // The content of a file; empty when it cannot be read.
 std::string read_file(const std::filesystem::path& path);

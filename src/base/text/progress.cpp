@@ -21,8 +21,12 @@ void Progress::report(std::int64_t done, std::int64_t total) {
         if (now - last_ < bar_interval && done < total) return;
         last_ = now;
         const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1;
-        const auto left = done > 0 ? format_duration(seconds() * static_cast<double>(total - done) / static_cast<double>(done)) + " left" : "";
-        log_.progress(share, task_ + ": " + std::to_string(done) + " of " + std::to_string(total) + " " + unit_ + ", " + left);
+        const auto left =
+            done > 0
+                ? format_duration(seconds() * static_cast<double>(total - done) / static_cast<double>(done)) + " left"
+                : "";
+        log_.progress(
+            share, task_ + ": " + std::to_string(done) + " of " + std::to_string(total) + " " + unit_ + ", " + left);
         return;
     }
     if (now - last_ < line_interval) return;
@@ -31,9 +35,10 @@ void Progress::report(std::int64_t done, std::int64_t total) {
 }
 
 void Progress::write_line() {
-    const double remaining = done_ > 0 ? seconds() * static_cast<double>(total_ - done_) / static_cast<double>(done_) : 0;
-    log_.line("progress " + task_ + " done=" + std::to_string(done_) + " total=" + std::to_string(total_) + " seconds=" + tenths(seconds()) +
-              " remaining=" + tenths(remaining));
+    const double remaining =
+        done_ > 0 ? seconds() * static_cast<double>(total_ - done_) / static_cast<double>(done_) : 0;
+    log_.line("progress " + task_ + " done=" + std::to_string(done_) + " total=" + std::to_string(total_) +
+              " seconds=" + tenths(seconds()) + " remaining=" + tenths(remaining));
     written_ = done_;
 }
 

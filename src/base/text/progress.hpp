@@ -11,7 +11,8 @@ namespace treacle {
 // "progress TASK done=120 total=300 seconds=12.4 remaining=18.6".
 class Progress {
 public:
-    Progress(Log& log, std::string task, std::string unit) : log_(log), task_(std::move(task)), unit_(std::move(unit)) {}
+    Progress(Log& log, std::string task, std::string unit)
+        : log_(log), task_(std::move(task)), unit_(std::move(unit)) {}
 
     // Numbers of units done and in all. A terminal is redrawn at most every 0.1 s.
     void report(std::int64_t done, std::int64_t total);

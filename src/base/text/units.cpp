@@ -68,29 +68,13 @@ struct Prefix {
     std::string_view name;
     int exponent;
 };
-constexpr std::array prefixes{Prefix{"k", 3},  Prefix{"M", 6},  Prefix{"G", 9},  Prefix{"h", 2},
-                              Prefix{"d", -1}, Prefix{"c", -2}, Prefix{"m", -3}, Prefix{"u", -6},
-                              Prefix{"µ", -6}, Prefix{"μ", -6}, Prefix{"n", -9}};
+constexpr std::array prefixes{Prefix{"k", 3}, Prefix{"M", 6}, Prefix{"G", 9}, Prefix{"h", 2}, Prefix{"d", -1},
+    Prefix{"c", -2}, Prefix{"m", -3}, Prefix{"u", -6}, Prefix{"µ", -6}, Prefix{"μ", -6}, Prefix{"n", -9}};
 
-constexpr std::array named{unit::none,
-                           unit::length,
-                           unit::area,
-                           unit::volume,
-                           unit::time,
-                           unit::frequency,
-                           unit::mass,
-                           unit::density,
-                           unit::velocity,
-                           unit::acceleration,
-                           unit::force,
-                           unit::pressure,
-                           unit::viscosity,
-                           unit::kinematic_viscosity,
-                           unit::surface_tension,
-                           unit::volume_flow,
-                           unit::temperature,
-                           unit::angle,
-                           unit::angular_velocity};
+constexpr std::array named{unit::none, unit::length, unit::area, unit::volume, unit::time, unit::frequency, unit::mass,
+    unit::density, unit::velocity, unit::acceleration, unit::force, unit::pressure, unit::viscosity,
+    unit::kinematic_viscosity, unit::surface_tension, unit::volume_flow, unit::temperature, unit::angle,
+    unit::angular_velocity};
 
 std::optional<Scale> find_symbol(std::string_view word) {
     for (const auto& symbol : symbols) {
@@ -160,9 +144,7 @@ private:
         if (take("³")) return 3;
         const bool caret = take("^") || take("**");
         const int sign = caret && take("-") ? -1 : 1;
-        const auto digit_next = [&] {
-            return !text_.empty() && std::isdigit(static_cast<unsigned char>(text_[0]));
-        };
+        const auto digit_next = [&] { return !text_.empty() && std::isdigit(static_cast<unsigned char>(text_[0])); };
         if (!digit_next()) return caret ? std::optional<int>{} : 1;
         const int digit = text_[0] - '0';
         text_.remove_prefix(1);
@@ -233,8 +215,7 @@ double apply(const Scale& scale, double value) {
 std::string expected(const Unit& unit) {
     if (unit.si.empty()) return "must be a plain number";
     const bool vowel = std::string_view("aeiou").find(unit.name[0]) != std::string_view::npos;
-    return std::string("must be a") + (vowel ? "n " : " ") + std::string(unit.name) + " [" +
-           std::string(unit.si) + "]";
+    return std::string("must be a") + (vowel ? "n " : " ") + std::string(unit.name) + " [" + std::string(unit.si) + "]";
 }
 
 std::string accepted(const Unit& unit) {

@@ -31,7 +31,8 @@ struct NodeSolids {
 
 // The parts of the cube around a face that are of bodies that move. A solid part belongs to the solids nearest to its
 // corners, by how deep those lie.
-KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const NodeSolids& solids, int axis, const int c[3], FewShares& out) {
+KOKKOS_INLINE_FUNCTION void find_shares(
+    const PartSum& parts, const NodeSolids& solids, int axis, const int c[3], FewShares& out) {
     const Places& places = parts.places;
     const int used = places.nodes.used(), node = face_place(axis);
     for (int p = 0; p < used; ++p) {
@@ -43,7 +44,8 @@ KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const NodeSolids& 
         for (int k = 0; k < 3; ++k) f[k] = 2 * q[k] + (own >> k & 1);
         if (!places.up[2]) f[2] = 0;
         const int row = parts.slot(places.nodes.window.index(q[0], q[1], q[2]));
-        const double volume = (1 - (row < 0 ? shares_of(row).fluid : parts.parts(24 * std::int64_t(row) + 3 * own))) / used;
+        const double volume =
+            (1 - (row < 0 ? shares_of(row).fluid : parts.parts(24 * std::int64_t(row) + 3 * own))) / used;
         if (volume <= 0) continue;
         double total = 0;
         for (int pass = 0; pass < 2; ++pass) {
@@ -52,8 +54,10 @@ KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const NodeSolids& 
                 const int at = places.nodes.index(f[0] + (k & 1), f[1] + (k >> 1 & 1), z);
                 const double depth = -solids.distance(at);
                 if (depth <= 0) continue;
-                if (pass == 0) total += depth;
-                else if (solids.number(at) >= 0 && solids.moves(solids.number(at))) out.add(solids.number(at), volume * depth / total);
+                if (pass == 0)
+                    total += depth;
+                else if (solids.number(at) >= 0 && solids.moves(solids.number(at)))
+                    out.add(solids.number(at), volume * depth / total);
             }
         }
     }
@@ -61,37 +65,39 @@ KOKKOS_INLINE_FUNCTION void find_shares(const PartSum& parts, const NodeSolids& 
 
 void count_shares(const PartSum& parts, const NodeSolids& solids, int axis, const Array<int>& first) {
     const CellBox window = parts.places.nodes.window;
-    Kokkos::parallel_for("treacle::count_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        window.cell(i, c);
-        FewShares found;
-        if (parts.places.has_places(c)) {
-            const int kind = parts.kind(c);
-            if (kind == cut_place || shares_of(kind).fluid == 0) find_shares(parts, solids, axis, c, found);
-        }
-        first(i) = found.count;
-    });
+    Kokkos::parallel_for(
+        "treacle::count_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            window.cell(i, c);
+            FewShares found;
+            if (parts.places.has_places(c)) {
+                const int kind = parts.kind(c);
+                if (kind == cut_place || shares_of(kind).fluid == 0) find_shares(parts, solids, axis, c, found);
+            }
+            first(i) = found.count;
+        });
 }
 
 void write_shares(const PartSum& parts, const NodeSolids& solids, int axis, const BodyShares& out) {
     const CellBox window = parts.places.nodes.window;
-    Kokkos::parallel_for("treacle::write_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        const int begin = out.first(i), end = out.first(i + 1);
-        if (begin == end) return;
-        int c[3];
-        window.cell(i, c);
-        FewShares found;
-        find_shares(parts, solids, axis, c, found);
-        for (int k = begin; k < end; ++k) {
-            out.body(k) = found.body[k - begin];
-            out.share(k) = found.share[k - begin];
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::write_body_shares", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            const int begin = out.first(i), end = out.first(i + 1);
+            if (begin == end) return;
+            int c[3];
+            window.cell(i, c);
+            FewShares found;
+            find_shares(parts, solids, axis, c, found);
+            for (int k = begin; k < end; ++k) {
+                out.body(k) = found.body[k - begin];
+                out.share(k) = found.share[k - begin];
+            }
+        });
 }
 } // namespace
 
 void FractionBuilder::build_body_shares(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
-                                        const Array<int>& moves, BodyShares shares[3]) const {
+    const Array<int>& moves, BodyShares shares[3]) const {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     const PartSum parts{Places(nodes, {}), slot_, parts_};
     const NodeSolids solids{solid, number, moves};

@@ -28,7 +28,8 @@ KOKKOS_INLINE_FUNCTION void add_negative(const double at[3][2], const double dis
     if (negative == 0) return;
     if (negative > 1) sum.add(1, at[0], at[1], at[2]);
     if (negative == 3) return;
-    const int corner = negative == 1 ? o[0] : o[2], first = negative == 1 ? o[1] : o[0], second = negative == 1 ? o[2] : o[1];
+    const int corner = negative == 1 ? o[0] : o[2], first = negative == 1 ? o[1] : o[0],
+              second = negative == 1 ? o[2] : o[1];
     double b[2], c[2];
     between(at[corner], at[first], cut(distance[corner], distance[first]), b);
     between(at[corner], at[second], cut(distance[corner], distance[second]), c);
@@ -95,7 +96,7 @@ void ClosedCentres::find(const FineNodes& nodes, const Array<double>& solid) {
     for (int a = 0; a < nodes.dimensions; ++a) {
         for (auto& component : offset_[a]) reserve(component, n);
         Kokkos::parallel_for("treacle::closed_centres", static_cast<int>(n),
-                             CentreLoop{nodes, solid, a, {offset_[a][0], offset_[a][1]}});
+            CentreLoop{nodes, solid, a, {offset_[a][0], offset_[a][1]}});
     }
 }
 

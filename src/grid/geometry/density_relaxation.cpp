@@ -45,7 +45,7 @@ struct WithinLoop {
 struct InflowLoop {
     CellBox owned, window;
     int dimensions;
-    double full;        // particles in a cell at rest
+    double full;            // particles in a cell at rest
     double dead_band, rate; // [m/s] for a cell without particles
     Array<int> within;
     Array<double> inflow;
@@ -76,11 +76,11 @@ void DensityRelaxation::find(const DensityRelaxationOptions& options, const Scen
     if (owned.empty()) return;
     const CellBox around = grown(owned, 1, dimensions);
     Kokkos::parallel_for("treacle::within_liquid", static_cast<int>(around.size()),
-                         WithinLoop{around, window, dimensions, scene.cells, scene.distance, scene.fractions.cell_fluid, within_});
+        WithinLoop{around, window, dimensions, scene.cells, scene.distance, scene.fractions.cell_fluid, within_});
     const double full = std::pow(particles_per_axis, dimensions);
     const double rate = scene.grid.dx / (options.steps * dt);
     Kokkos::parallel_for("treacle::density_relaxation", static_cast<int>(owned.size()),
-                         InflowLoop{owned, window, dimensions, full, options.dead_band, rate, within_, inflow_});
+        InflowLoop{owned, window, dimensions, full, options.dead_band, rate, within_, inflow_});
 }
 
 } // namespace treacle::grid

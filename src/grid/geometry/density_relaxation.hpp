@@ -7,7 +7,7 @@ namespace treacle::grid {
 
 // Rate at which the density returns to that of rest.
 struct DensityRelaxationOptions {
-    double steps = 15;   // in which the density is that of rest again; 0: never
+    double steps = 15;       // in which the density is that of rest again; 0: never
     double dead_band = 0.05; // share of the rest density that may be missing, or too much
 };
 

@@ -8,7 +8,7 @@ namespace treacle::grid {
 constexpr int kinds = 4;
 constexpr int kind_of(bool liquid, bool solid) { return -1 - (liquid ? 1 : 0) - (solid ? 2 : 0); }
 constexpr int empty_kind = kind_of(false, false);
-constexpr int cut_place = 0;           // in written_: cut by a surface
+constexpr int cut_place = 0;              // in written_: cut by a surface
 constexpr int unknown_place = -1 - kinds; // in written_: never written
 
 // Shares of a cell of one sort all through; `kind` is one of kind_of().
@@ -25,7 +25,8 @@ struct Places {
     WallPlanes walls;
 
     // Nodes of a window and the walls among the solids there, if any.
-    Places(const FineNodes& of, const WallPlanes& sides) : nodes(of), up{1, 1, of.dimensions == 2 ? 0 : 1}, walls(sides) {}
+    Places(const FineNodes& of, const WallPlanes& sides)
+        : nodes(of), up{1, 1, of.dimensions == 2 ? 0 : 1}, walls(sides) {}
     // Cells whose parts have all their corners in the window.
     KOKKOS_INLINE_FUNCTION bool has_parts(const int c[3]) const {
         for (int k = 0; k < nodes.dimensions; ++k) {
@@ -53,7 +54,8 @@ struct Places {
     }
     // Distance at a corner of the part with lower fine node f: on the plane of a wall that of bodies, linear along the wall's normal from the two
     // nodes before. `flat`: the axis that the part is flat along, whose walls close it; -1: none.
-    KOKKOS_INLINE_FUNCTION double solid_beside(const Array<double>& solid, const int corner[3], const int f[3], int flat) const {
+    KOKKOS_INLINE_FUNCTION double solid_beside(
+        const Array<double>& solid, const int corner[3], const int f[3], int flat) const {
         const double here = solid(nodes.index(corner[0], corner[1], corner[2]));
         if (!(math::fabs(here) < nodes.surface())) return here;
         int first[3] = {corner[0], corner[1], corner[2]}, second[3] = {corner[0], corner[1], corner[2]};
@@ -67,13 +69,15 @@ struct Places {
             moved = moved || way != 0;
         }
         if (!moved) return here;
-        return math::max(here, 2 * solid(nodes.index(first[0], first[1], first[2])) - solid(nodes.index(second[0], second[1], second[2])));
+        return math::max(here,
+            2 * solid(nodes.index(first[0], first[1], first[2])) - solid(nodes.index(second[0], second[1], second[2])));
     }
     // The corners, x + 2 y + 4 z, of the cube with lower fine node f and edges of `step` fine nodes: use(number, fine node).
     template <class Use>
     KOKKOS_INLINE_FUNCTION void each_corner(const int f[3], int step, const Use& use) const {
         for (int k = 0; k < 8; ++k) {
-            const int corner[3] = {f[0] + step * (k & 1), f[1] + step * (k >> 1 & 1), up[2] ? f[2] + step * (k >> 2) : 0};
+            const int corner[3] = {
+                f[0] + step * (k & 1), f[1] + step * (k >> 1 & 1), up[2] ? f[2] + step * (k >> 2) : 0};
             use(k, corner);
         }
     }
@@ -81,7 +85,8 @@ struct Places {
         each_corner(f, 1, [&](int k, const int corner[3]) { out[k] = solid_beside(solid, corner, f, -1); });
     }
     KOKKOS_INLINE_FUNCTION void corners(const Array<double>& values, const int f[3], int step, double out[8]) const {
-        each_corner(f, step, [&](int k, const int corner[3]) { out[k] = values(nodes.index(corner[0], corner[1], corner[2])); });
+        each_corner(f, step,
+            [&](int k, const int corner[3]) { out[k] = values(nodes.index(corner[0], corner[1], corner[2])); });
     }
 };
 

@@ -11,23 +11,26 @@ namespace {
 KOKKOS_INLINE_FUNCTION int diagonal_start(const int f[3]) { return (~f[0] & 1) + 2 * (~f[1] & 1) + 4 * (~f[2] & 1); }
 
 // Signs at a cell's own nodes: bits 0 and 1: some in, some out of the solid; bits 2 and 3: of the liquid.
-void find_signs(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid, const Array<int>& signs) {
+void find_signs(
+    const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid, const Array<int>& signs) {
     const int used = nodes.used();
-    Kokkos::parallel_for("treacle::fraction_signs", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
-        int bits = 0;
-        for (int k = 0; k < used; ++k) {
-            bits |= solid(FineNodes::per_cell * i + k) < 0 ? 1 : 2;
-            bits |= liquid(FineNodes::per_cell * i + k) < 0 ? 4 : 8;
-        }
-        signs(i) = bits;
-    });
+    Kokkos::parallel_for(
+        "treacle::fraction_signs", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
+            int bits = 0;
+            for (int k = 0; k < used; ++k) {
+                bits |= solid(FineNodes::per_cell * i + k) < 0 ? 1 : 2;
+                bits |= liquid(FineNodes::per_cell * i + k) < 0 ? 4 : 8;
+            }
+            signs(i) = bits;
+        });
 }
 
 // Slots of the cells: for those of one kind the kind, for the others a row of the parts. Returns the number of rows.
 std::size_t find_kinds(const Places& places, const Array<int>& signs, const Array<int>& slot) {
     int mixed = 0;
     const CellBox window = places.nodes.window;
-    Kokkos::parallel_scan("treacle::fraction_kinds", static_cast<int>(window.size()),
+    Kokkos::parallel_scan(
+        "treacle::fraction_kinds", static_cast<int>(window.size()),
         KOKKOS_LAMBDA(int i, int& row, bool last) {
             int c[3];
             window.cell(i, c);
@@ -44,7 +47,8 @@ std::size_t find_kinds(const Places& places, const Array<int>& signs, const Arra
             const bool cut = (bits & 3) == 3 || (bits & 12) == 12;
             if (last) slot(i) = cut ? row : kind_of((bits & 4) != 0, (bits & 1) != 0);
             row += cut ? 1 : 0;
-        }, mixed);
+        },
+        mixed);
     return static_cast<std::size_t>(mixed);
 }
 
@@ -63,24 +67,24 @@ void clip_parts(const PartSum& to, const Array<double>& solid, const Array<doubl
     const CellBox window = places.nodes.window;
     const int used = places.nodes.used();
     const bool sample = method == FractionMethod::supersampled;
-    Kokkos::parallel_for("treacle::clip_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        if (to.slot(i) < 0) return;
-        int c[3];
-        window.cell(i, c);
-        for (int p = 0; p < used; ++p) {
-            const int f[3] = {2 * c[0] + (p & 1), 2 * c[1] + (p >> 1 & 1), places.up[2] ? 2 * c[2] + (p >> 2) : 0};
-            double s[8], l[8];
-            places.solid_corners(solid, f, s);
-            places.corners(liquid, f, 1, l);
-            const CubeShares shares = sample ? sample_middle(s, l) : cube_shares(s, l, diagonal_start(f));
-            double* row = &to.parts(24 * std::int64_t(to.slot(i)) + 3 * p);
-            row[0] = shares.fluid;
-            row[1] = shares.liquid;
-            row[2] = shares.wet;
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::clip_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            if (to.slot(i) < 0) return;
+            int c[3];
+            window.cell(i, c);
+            for (int p = 0; p < used; ++p) {
+                const int f[3] = {2 * c[0] + (p & 1), 2 * c[1] + (p >> 1 & 1), places.up[2] ? 2 * c[2] + (p >> 2) : 0};
+                double s[8], l[8];
+                places.solid_corners(solid, f, s);
+                places.corners(liquid, f, 1, l);
+                const CubeShares shares = sample ? sample_middle(s, l) : cube_shares(s, l, diagonal_start(f));
+                double* row = &to.parts(24 * std::int64_t(to.slot(i)) + 3 * p);
+                row[0] = shares.fluid;
+                row[1] = shares.liquid;
+                row[2] = shares.wet;
+            }
+        });
 }
-
 
 // Bit k of a place: at the lower end of its cell along axis k.
 KOKKOS_INLINE_FUNCTION int edge_place(int axis, int dimensions) { return (dimensions == 2 ? 3 : 7) & ~(1 << axis); }
@@ -148,30 +152,31 @@ struct Writer {
 // Writes the places of each cell; what is of one kind and was so before stays.
 void sum_parts(const PartSum& parts, const Array<double>& solid, const Writer& writer, const Array<int>& written) {
     const CellBox window = parts.places.nodes.window;
-    Kokkos::parallel_for("treacle::sum_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        window.cell(i, c);
-        const int kind = parts.places.has_places(c) ? parts.kind(c) : empty_kind;
-        if (kind != cut_place) {
-            if (written(i) == kind) return;
-            writer.all(i, shares_of(kind));
-        } else {
-            writer.cell(i, parts.at(c, 0));
-            for (int a = 0; a < writer.dimensions; ++a) {
-                writer.face(a, i, parts.at(c, face_place(a)));
-                writer.out.open.axis[a](i) = open_share(parts.places, solid, a, c);
+    Kokkos::parallel_for(
+        "treacle::sum_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            window.cell(i, c);
+            const int kind = parts.places.has_places(c) ? parts.kind(c) : empty_kind;
+            if (kind != cut_place) {
+                if (written(i) == kind) return;
+                writer.all(i, shares_of(kind));
+            } else {
+                writer.cell(i, parts.at(c, 0));
+                for (int a = 0; a < writer.dimensions; ++a) {
+                    writer.face(a, i, parts.at(c, face_place(a)));
+                    writer.out.open.axis[a](i) = open_share(parts.places, solid, a, c);
+                }
+                for (int a = 0; a < 3; ++a) {
+                    if (writer.has_edge(a)) writer.edge(a, i, parts.at(c, edge_place(a, writer.dimensions)));
+                }
             }
-            for (int a = 0; a < 3; ++a) {
-                if (writer.has_edge(a)) writer.edge(a, i, parts.at(c, edge_place(a, writer.dimensions)));
-            }
-        }
-        written(i) = kind;
-    });
+            written(i) = kind;
+        });
 }
 
 // The cube of the place at the lower ends `node` of cell c, by its own corners alone.
-KOKKOS_INLINE_FUNCTION CubeShares own_corners(const Places& places, const Array<double>& solid,
-                                              const Array<double>& liquid, const int c[3], int node) {
+KOKKOS_INLINE_FUNCTION CubeShares own_corners(
+    const Places& places, const Array<double>& solid, const Array<double>& liquid, const int c[3], int node) {
     int f[3];
     for (int k = 0; k < 3; ++k) f[k] = 2 * c[k] - (node >> k & 1);
     double s[8], l[8];
@@ -180,24 +185,27 @@ KOKKOS_INLINE_FUNCTION CubeShares own_corners(const Places& places, const Array<
     return cube_shares(s, l, 0);
 }
 
-void fill_independent(const Places& places, const Array<double>& solid, const Array<double>& liquid, const Writer& writer) {
+void fill_independent(
+    const Places& places, const Array<double>& solid, const Array<double>& liquid, const Writer& writer) {
     const CellBox window = places.nodes.window;
-    Kokkos::parallel_for("treacle::independent_fractions", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        window.cell(i, c);
-        if (!places.has_places(c)) {
-            writer.all(i, shares_of(empty_kind));
-            return;
-        }
-        writer.cell(i, own_corners(places, solid, liquid, c, 0));
-        for (int a = 0; a < writer.dimensions; ++a) {
-            writer.face(a, i, own_corners(places, solid, liquid, c, face_place(a)));
-            writer.out.open.axis[a](i) = open_share(places, solid, a, c);
-        }
-        for (int a = 0; a < 3; ++a) {
-            if (writer.has_edge(a)) writer.edge(a, i, own_corners(places, solid, liquid, c, edge_place(a, writer.dimensions)));
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::independent_fractions", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            window.cell(i, c);
+            if (!places.has_places(c)) {
+                writer.all(i, shares_of(empty_kind));
+                return;
+            }
+            writer.cell(i, own_corners(places, solid, liquid, c, 0));
+            for (int a = 0; a < writer.dimensions; ++a) {
+                writer.face(a, i, own_corners(places, solid, liquid, c, face_place(a)));
+                writer.out.open.axis[a](i) = open_share(places, solid, a, c);
+            }
+            for (int a = 0; a < 3; ++a) {
+                if (writer.has_edge(a))
+                    writer.edge(a, i, own_corners(places, solid, liquid, c, edge_place(a, writer.dimensions)));
+            }
+        });
 }
 
 void reserve_fractions(Fractions& out, int dimensions, std::size_t n) {
@@ -212,7 +220,7 @@ void reserve_fractions(Fractions& out, int dimensions, std::size_t n) {
 } // namespace
 
 void FractionBuilder::build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid,
-                            FractionMethod method, Fractions& out, const WallPlanes& walls) {
+    FractionMethod method, Fractions& out, const WallPlanes& walls) {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     reserve_fractions(out, nodes.dimensions, n);
     const Places places(nodes, walls);

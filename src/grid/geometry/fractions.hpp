@@ -20,13 +20,13 @@ public:
     // `walls`: sides of the domain that `solid` has, or none: beside those that lie on nodes bodies are cut by their own distance, since the nodes
     // there have that of the wall, zero, and a body that meets it would be rounded off.
     void build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid, FractionMethod method,
-               Fractions& out, const WallPlanes& walls = {});
+        Fractions& out, const WallPlanes& walls = {});
 
     // Shares of the bodies that move in the cubes around the faces across each axis, as build() found the fluid's, of the
     // same window. Solid parts of half-width cubes belong to the solid nearest to their corners.
     // `number`: solids at the fine nodes, Solids::number(); `moves` [bodies]: 1 where a body moves.
     void build_body_shares(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
-                           const Array<int>& moves, BodyShares shares[3]) const;
+        const Array<int>& moves, BodyShares shares[3]) const;
 
     std::size_t mixed_cells() const { return mixed_; } // of the last build
 
@@ -36,7 +36,7 @@ private:
     Array<int> written_{"treacle::fraction_written", 0}; // [window] the kind that `out` holds, or `cut_place`
     Array<double> parts_{"treacle::fraction_parts", 0};  // [mixed cells][8][fluid, liquid, wet]
     std::size_t mixed_ = 0;
-    CellBox filled_; // window that written_ is about
+    CellBox filled_;                      // window that written_ is about
     const double* filled_data_ = nullptr; // and the arrays
 };
 

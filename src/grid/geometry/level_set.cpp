@@ -73,11 +73,14 @@ struct Mean {
 struct LaneMean {
     SimdDouble weight = 0.0, x = 0.0, y = 0.0, z = 0.0;
 
-    KOKKOS_INLINE_FUNCTION void add(const Array<double> along[3], int first, int last, const double at[3], double inverse_square) {
+    KOKKOS_INLINE_FUNCTION void add(
+        const Array<double> along[3], int first, int last, const double at[3], double inverse_square) {
         for (int k = first; k < last; k += lanes) {
-            const SimdDouble dx = load_lanes(&along[0](k)) - SimdDouble(at[0]), dy = load_lanes(&along[1](k)) - SimdDouble(at[1]),
-                        dz = load_lanes(&along[2](k)) - SimdDouble(at[2]);
-            const SimdDouble s = math::max(SimdDouble(0.0), SimdDouble(1.0) - (dx * dx + dy * dy + dz * dz) * SimdDouble(inverse_square));
+            const SimdDouble dx = load_lanes(&along[0](k)) - SimdDouble(at[0]),
+                             dy = load_lanes(&along[1](k)) - SimdDouble(at[1]),
+                             dz = load_lanes(&along[2](k)) - SimdDouble(at[2]);
+            const SimdDouble s = math::max(
+                SimdDouble(0.0), SimdDouble(1.0) - (dx * dx + dy * dy + dz * dz) * SimdDouble(inverse_square));
             const SimdDouble w = select(tail_mask(last - k), s * s * s, SimdDouble(0.0));
             weight = weight + w;
             x = x + w * dx;
@@ -140,7 +143,7 @@ struct Builder {
     }
     // The images of particles [first, last) in some walls: relative to the place's own image they are the particles.
     KOKKOS_INLINE_FUNCTION void add_mirrored(int first, int last, const double place[3], int mirror, const int side[3],
-                                             double inverse_square, Mean& mean) const {
+        double inverse_square, Mean& mean) const {
         double at[3] = {place[0], place[1], place[2]};
         for (int k = 0; k < 3; ++k) {
             if (mirror >> k & 1) at[k] = 2 * walls.at[side[k]] - place[k];
@@ -155,7 +158,8 @@ struct Builder {
             mean.add(image, p, at, inverse_square, mirror);
         }
     }
-    KOKKOS_INLINE_FUNCTION double at_node(const int c[3], int corner, const double place[3], double solid_distance) const {
+    KOKKOS_INLINE_FUNCTION double at_node(
+        const int c[3], int corner, const double place[3], double solid_distance) const {
         const double inverse_square = 1 / (reach * reach);
         // Beyond this no particle within reach has an image.
         const bool images = solid_distance < (1 + image_reach) * reach;
@@ -172,7 +176,8 @@ struct Builder {
                     seen.add(along, first, last, place, inverse_square);
                     for (int p = first; images && p < last; ++p) mean.add(image, p, place, inverse_square, 0);
                     for (int mirror = 1; mirror <= near; ++mirror) {
-                        if ((mirror & near) == mirror) add_mirrored(first, last, place, mirror, side, inverse_square, mean);
+                        if ((mirror & near) == mirror)
+                            add_mirrored(first, last, place, mirror, side, inverse_square, mean);
                     }
                 }
             }
@@ -185,24 +190,28 @@ struct Builder {
 // Distances at the nodes of the owned cells; returns how many cells were summed over particles.
 int sum_particles(const Builder& build) {
     int surface = 0;
-    Kokkos::parallel_reduce("treacle::level_set", static_cast<int>(build.owned.size()), KOKKOS_LAMBDA(int i, int& count) {
-        int c[3], fewest, most;
-        build.owned.cell(i, c);
-        build.count_around(c, fewest, most);
-        const int base = FineNodes::per_cell * build.nodes.window.index(c[0], c[1], c[2]);
-        if (most == 0 || fewest >= build.full) {
-            for (int k = 0; k < FineNodes::per_cell; ++k) build.out(base + k) = most == 0 ? build.reach : -build.reach;
-            return;
-        }
-        ++count;
-        for (int k = 0; k < build.nodes.used(); ++k) {
-            double place[3];
-            build.nodes.place(c, k, place);
-            // Within solids the liquid is continued afterwards.
-            const double solid = build.solid(base + k);
-            build.out(base + k) = build.nodes.is_inside(solid) ? build.reach : build.at_node(c, k, place, solid);
-        }
-    }, surface);
+    Kokkos::parallel_reduce(
+        "treacle::level_set", static_cast<int>(build.owned.size()),
+        KOKKOS_LAMBDA(int i, int& count) {
+            int c[3], fewest, most;
+            build.owned.cell(i, c);
+            build.count_around(c, fewest, most);
+            const int base = FineNodes::per_cell * build.nodes.window.index(c[0], c[1], c[2]);
+            if (most == 0 || fewest >= build.full) {
+                for (int k = 0; k < FineNodes::per_cell; ++k)
+                    build.out(base + k) = most == 0 ? build.reach : -build.reach;
+                return;
+            }
+            ++count;
+            for (int k = 0; k < build.nodes.used(); ++k) {
+                double place[3];
+                build.nodes.place(c, k, place);
+                // Within solids the liquid is continued afterwards.
+                const double solid = build.solid(base + k);
+                build.out(base + k) = build.nodes.is_inside(solid) ? build.reach : build.at_node(c, k, place, solid);
+            }
+        },
+        surface);
     return surface;
 }
 
@@ -210,17 +219,21 @@ int sum_particles(const Builder& build) {
 void split_axes(const Array3& x, int n, Array<double> along[3]) {
     for (int k = 0; k < 3; ++k) {
         const auto to = static_cast<std::size_t>(n + lanes);
-        if (along[k].extent(0) < to) along[k] = Array<double>("treacle::level_set_along", to + to / 32); // zeros: no NaN behind the end
+        if (along[k].extent(0) < to)
+            along[k] = Array<double>("treacle::level_set_along", to + to / 32); // zeros: no NaN behind the end
         const auto axis = along[k];
-        Kokkos::parallel_for("treacle::split_axes", n, KOKKOS_LAMBDA(int i) { axis(i) = x(i, k); });
+        Kokkos::parallel_for(
+            "treacle::split_axes", n, KOKKOS_LAMBDA(int i) { axis(i) = x(i, k); });
     }
 }
 
 // Lists the nodes in solids that the liquid may be continued into, and marks them as not yet found.
-int list_nodes(const FineNodes& nodes, const Array<double>& solid, double depth, const Array<int>& list, const Array<int>& found) {
+int list_nodes(
+    const FineNodes& nodes, const Array<double>& solid, double depth, const Array<int>& list, const Array<int>& found) {
     int count = 0;
     const bool write = list.extent(0) > 0;
-    Kokkos::parallel_scan("treacle::nodes_in_solids", static_cast<int>(nodes.window.size()),
+    Kokkos::parallel_scan(
+        "treacle::nodes_in_solids", static_cast<int>(nodes.window.size()),
         KOKKOS_LAMBDA(int i, int& row, bool last) {
             for (int at = FineNodes::per_cell * i; at < FineNodes::per_cell * i + nodes.used(); ++at) {
                 if (last && !write) found(at) = nodes.is_inside(solid(at)) ? continued_layers + 1 : 0;
@@ -228,7 +241,8 @@ int list_nodes(const FineNodes& nodes, const Array<double>& solid, double depth,
                 if (last && write) list(row) = at;
                 ++row;
             }
-        }, count);
+        },
+        count);
     return count;
 }
 
@@ -238,7 +252,7 @@ struct SolidNodes {
     Array<double> solid; // [nodes] distance from the solids [m]
     Array<int> list;     // [count] nodes
     int count;
-    Array<int> found;    // [nodes] layer in which each was found
+    Array<int> found; // [nodes] layer in which each was found
 };
 
 // Nodes in solids take the value of their neighbours nearer to the surface, weighted by how much nearer: constant along
@@ -247,30 +261,31 @@ void continue_layer(const SolidNodes& inside, int layer, const Array<double>& va
     const FineNodes nodes = inside.nodes;
     const auto solid = inside.solid;
     const auto found = inside.found;
-    Kokkos::parallel_for("treacle::continue_liquid", inside.count, KOKKOS_LAMBDA(int i) {
-        const int at = inside.list(i), corner = at % FineNodes::per_cell;
-        if (found(at) < layer) return;
-        const double here = solid(at);
-        int c[3];
-        nodes.window.cell(at / FineNodes::per_cell, c);
-        double sum = 0, weights = 0;
-        for (int k = 0; k < nodes.dimensions; ++k) {
-            for (int side = -1; side <= 1; side += 2) {
-                int f[3] = {2 * c[0] + (corner & 1), 2 * c[1] + (corner >> 1 & 1), 2 * c[2] + (corner >> 2)};
-                if (nodes.dimensions == 2) f[2] = 0;
-                f[k] += side;
-                if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) continue;
-                const int other = nodes.index(f[0], f[1], f[2]);
-                const double nearer = solid(other) - here;
-                if (found(other) >= layer || nearer <= 0) continue;
-                sum += nearer * value(other);
-                weights += nearer;
+    Kokkos::parallel_for(
+        "treacle::continue_liquid", inside.count, KOKKOS_LAMBDA(int i) {
+            const int at = inside.list(i), corner = at % FineNodes::per_cell;
+            if (found(at) < layer) return;
+            const double here = solid(at);
+            int c[3];
+            nodes.window.cell(at / FineNodes::per_cell, c);
+            double sum = 0, weights = 0;
+            for (int k = 0; k < nodes.dimensions; ++k) {
+                for (int side = -1; side <= 1; side += 2) {
+                    int f[3] = {2 * c[0] + (corner & 1), 2 * c[1] + (corner >> 1 & 1), 2 * c[2] + (corner >> 2)};
+                    if (nodes.dimensions == 2) f[2] = 0;
+                    f[k] += side;
+                    if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) continue;
+                    const int other = nodes.index(f[0], f[1], f[2]);
+                    const double nearer = solid(other) - here;
+                    if (found(other) >= layer || nearer <= 0) continue;
+                    sum += nearer * value(other);
+                    weights += nearer;
+                }
             }
-        }
-        if (weights == 0) return;
-        value(at) = sum / weights;
-        found(at) = layer;
-    });
+            if (weights == 0) return;
+            value(at) = sum / weights;
+            found(at) = layer;
+        });
 }
 } // namespace
 
@@ -285,8 +300,8 @@ void LevelSet::continue_into_solids(const FineNodes& nodes, const Array<double>&
     for (int layer = 1; layer <= continued_layers; ++layer) continue_layer(inside, layer, distance_);
 }
 
-void LevelSet::build(const MacGrid& grid, CellHalo& halo, const GridParticles& particles, const CellList& cells,
-                     const Solids& solids) {
+void LevelSet::build(
+    const MacGrid& grid, CellHalo& halo, const GridParticles& particles, const CellList& cells, const Solids& solids) {
     if (dimensions_ != grid.dimensions) {
         dimensions_ = grid.dimensions;
         const auto map = invert_half_space(dimensions_);
@@ -302,10 +317,9 @@ void LevelSet::build(const MacGrid& grid, CellHalo& halo, const GridParticles& p
     MirrorParticles::find(particles, solids.sampler(), solids.number(), MirroredIn::bodies, image_reach * grid.dx);
     split_axes(particles.position(), particles.store.total(), along_);
     const int seeded = grid.dimensions == 2 ? 4 : 8;
-    surface_ = static_cast<std::size_t>(sum_particles({nodes, halo.owned(), cells, particles.position(), particles.image(),
-                                                       {along_[0], along_[1], along_[2]}, solids.walls(), solids.distance(), half_space_, distance_, grid.dx,
-                                                       scatter_shift[grid.dimensions - 2] * grid.dx,
-                                                       static_cast<int>(full_share * seeded)}));
+    surface_ = static_cast<std::size_t>(sum_particles({nodes, halo.owned(), cells, particles.position(),
+        particles.image(), {along_[0], along_[1], along_[2]}, solids.walls(), solids.distance(), half_space_, distance_,
+        grid.dx, scatter_shift[grid.dimensions - 2] * grid.dx, static_cast<int>(full_share * seeded)}));
     halo.gather_blocks(distance_, FineNodes::per_cell);
     continue_into_solids(nodes, solids.distance());
     halo.gather_blocks(distance_, FineNodes::per_cell);

@@ -13,7 +13,7 @@ class LevelSet {
 public:
     // Collective. The ghosts' positions must be those of the owners. Writes the particles' field `image`.
     void build(const MacGrid& grid, CellHalo& halo, const GridParticles& particles, const CellList& cells,
-               const Solids& solids);
+        const Solids& solids);
 
     const Array<double>& distance() const { return distance_; } // [fine nodes of the window]
     std::size_t surface_cells() const { return surface_; }      // whose nodes were summed over particles
@@ -22,9 +22,10 @@ private:
     void continue_into_solids(const FineNodes& nodes, const Array<double>& solid);
 
     Array<double> distance_{"treacle::liquid_distance", 0};
-    Array<double> half_space_{"treacle::half_space_map", 0}; // of the mean's distance: where the surface is, both over reach
+    Array<double> half_space_{
+        "treacle::half_space_map", 0}; // of the mean's distance: where the surface is, both over reach
     Array<double> along_[3] = {Array<double>("treacle::level_set_x", 0), Array<double>("treacle::level_set_y", 0),
-                               Array<double>("treacle::level_set_z", 0)}; // positions of all particles, axis by axis
+        Array<double>("treacle::level_set_z", 0)}; // positions of all particles, axis by axis
     Array<int> layer_{"treacle::continuation_layer", 0}, in_solids_{"treacle::nodes_in_solids", 0};
     int dimensions_ = 0; // that half_space_ is of
     std::size_t surface_ = 0;

@@ -11,8 +11,8 @@ enum class MirroredIn { bodies, all_solids };
 // than `reach` [m], and MirrorParticles::none where there is none.
 struct MirrorParticles {
     static constexpr double none = 1e100; // [m]
-    static void find(const GridParticles& particles, const DistanceSampler& solid, const Array<int>& number, MirroredIn which,
-                     double reach);
+    static void find(const GridParticles& particles, const DistanceSampler& solid, const Array<int>& number,
+        MirroredIn which, double reach);
 };
 
 } // namespace treacle::grid

@@ -40,7 +40,8 @@ struct SubCell {
 // Liquid of sub-cells, and positions of particles in it.
 class SubCellFilling {
 public:
-    SubCellFilling(const Seeding& seeding, const MacGrid& grid) : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {}
+    SubCellFilling(const Seeding& seeding, const MacGrid& grid)
+        : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {}
 
     // The liquid whose particle the sub-cell holds, or -1: over many sub-cells as often as that liquid fills of them.
     int liquid_of(const SubCell& sub_cell) const {
@@ -80,7 +81,9 @@ private:
         return out;
     }
     double to_solids(const Vec3& x) const { return seeding_.solid_distance ? seeding_.solid_distance(x) : infinity; }
-    double to_liquid(int liquid, const Vec3& x) const { return scene::distance_to(seeding_.liquids[static_cast<std::size_t>(liquid)], x); }
+    double to_liquid(int liquid, const Vec3& x) const {
+        return scene::distance_to(seeding_.liquids[static_cast<std::size_t>(liquid)], x);
+    }
     // Signed distance [m] to where a liquid is and solids are a clearance away, negative in there. Surfaces may coincide.
     double outside(const Vec3& x, int liquid, double clearance) const {
         double out = std::max(to_liquid(liquid, x), clearance - to_solids(x));
@@ -100,12 +103,14 @@ private:
         }
         if (!(square > 0)) return;
         for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k)
-            x[k] = std::clamp(x[k] - (here + step) * slope[k] / square, sub_cell.middle[k] - sub_cell.half[k], sub_cell.middle[k] + sub_cell.half[k]);
+            x[k] = std::clamp(x[k] - (here + step) * slope[k] / square, sub_cell.middle[k] - sub_cell.half[k],
+                sub_cell.middle[k] + sub_cell.half[k]);
     }
     // Volume fraction of a liquid in the sub-cell: exact for a plane across an axis.
     double volume_fraction(const SubCell& sub_cell, int liquid) const {
         double sum = 0;
-        for (int s = 0; s < parts(); ++s) sum += std::clamp(0.5 - outside(part_middle(sub_cell, s), liquid, 0) / sub_cell.half[0], 0.0, 1.0);
+        for (int s = 0; s < parts(); ++s)
+            sum += std::clamp(0.5 - outside(part_middle(sub_cell, s), liquid, 0) / sub_cell.half[0], 0.0, 1.0);
         constexpr double round_off = 1e-9;
         const double out = sum / parts();
         return out < round_off ? 0 : out > 1 - round_off ? 1 : out;
@@ -119,7 +124,8 @@ private:
 // A sub-cell's threshold in (0, 1), by its index in the lattice of all: evenly spread along any axis and in any plane across one, since no
 // rational number is near the steps. The number of those below a fraction is that fraction of all to about one along a line.
 double dither_threshold(const std::array<std::int64_t, 3>& index) {
-    constexpr std::array steps{0.61803398874989484820, 0.41421356237309504880, 0.73205080756887729353}; // golden ratio, and roots of 2 and 3, less 1
+    constexpr std::array steps{0.61803398874989484820, 0.41421356237309504880,
+        0.73205080756887729353}; // golden ratio, and roots of 2 and 3, less 1
     double sum = 0.5;
     for (std::size_t k = 0; k < 3; ++k) sum += steps[k] * static_cast<double>(index[k]);
     return sum - std::floor(sum);
@@ -133,25 +139,32 @@ SubCell sub_cell_of(const Seeding& seeding, const MacGrid& grid, const int c[3],
         const int side = s >> k & 1;
         out.half[axis] = 0.25 * grid.dx;
         out.middle[axis] = grid.lower[k] + grid.dx * (c[k] + 0.25 + 0.5 * side);
-        out.position[axis] = out.middle[axis] + 0.5 * grid.dx * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
+        out.position[axis] = out.middle[axis] +
+                             0.5 * grid.dx * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
         index[axis] = 2 * std::int64_t(c[k]) + side;
     }
     out.threshold = dither_threshold(index);
     return out;
 }
 
-void seed_cell(const Seeding& seeding, const MacGrid& grid, const SubCellFilling& filling, const int c[3], std::vector<Seed>& out) {
+void seed_cell(const Seeding& seeding, const MacGrid& grid, const SubCellFilling& filling, const int c[3],
+    std::vector<Seed>& out) {
     const int sub_cells = grid.dimensions == 2 ? 4 : 8;
-    const std::uint64_t cell = grid.cells.all().empty() ? 0
-        : static_cast<std::uint64_t>(c[0]) + static_cast<std::uint64_t>(grid.cells.count[0]) *
-              (static_cast<std::uint64_t>(c[1]) + static_cast<std::uint64_t>(grid.cells.count[1]) * static_cast<std::uint64_t>(c[2]));
+    const std::uint64_t cell =
+        grid.cells.all().empty()
+            ? 0
+            : static_cast<std::uint64_t>(c[0]) +
+                  static_cast<std::uint64_t>(grid.cells.count[0]) *
+                      (static_cast<std::uint64_t>(c[1]) +
+                          static_cast<std::uint64_t>(grid.cells.count[1]) * static_cast<std::uint64_t>(c[2]));
     const auto all = static_cast<std::uint64_t>(seeded_ids(grid));
     for (int s = 0; s < sub_cells; ++s) {
         const std::uint64_t number = static_cast<std::uint64_t>(sub_cells) * cell + static_cast<std::uint64_t>(s);
         const SubCell sub_cell = sub_cell_of(seeding, grid, c, s, number);
         const int liquid = filling.liquid_of(sub_cell);
         if (liquid < 0) continue;
-        if (const auto x = filling.position_in(sub_cell, liquid)) out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), *x, liquid});
+        if (const auto x = filling.position_in(sub_cell, liquid))
+            out.push_back({static_cast<std::int64_t>(static_cast<std::uint64_t>(liquid) * all + number), *x, liquid});
     }
 }
 
@@ -179,7 +192,8 @@ void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& deco
         box.cell(i, c);
         Vec3 middle;
         grid.centre(c, middle.data());
-        const bool reached = std::ranges::any_of(seeding.liquids, [&](const scene::Regions& liquid) { return scene::distance_to(liquid, middle) < radius; });
+        const bool reached = std::ranges::any_of(
+            seeding.liquids, [&](const scene::Regions& liquid) { return scene::distance_to(liquid, middle) < radius; });
         if (reached) seed_cell(seeding, grid, filling, c, made);
     }
     const auto before = static_cast<std::size_t>(particles.store.owned());
@@ -197,8 +211,9 @@ void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& deco
         }
         id(before + i) = seed.id;
         liquid(before + i) = seed.liquid;
-        viscosity(before + i) = seeding.viscosity ? seeding.viscosity(seed.liquid, seed.x)
-                                : which < seeding.viscosities.size() ? seeding.viscosities[which] : 0;
+        viscosity(before + i) = seeding.viscosity                    ? seeding.viscosity(seed.liquid, seed.x)
+                                : which < seeding.viscosities.size() ? seeding.viscosities[which]
+                                                                     : 0;
     }
     Kokkos::deep_copy(particles.position(), x);
     Kokkos::deep_copy(particles.velocity(), u);

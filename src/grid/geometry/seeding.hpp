@@ -22,13 +22,13 @@ struct LinearVelocity {
 // a quarter of a cell. The random
 // numbers are those of the cell and the share: particles and ids do not depend on the ranks.
 struct Seeding {
-    std::vector<scene::Regions> liquids; // where two overlap, the first one wins
+    std::vector<scene::Regions> liquids;               // where two overlap, the first one wins
     std::function<double(const Vec3&)> solid_distance; // [m]
-    double clearance = 0.05;             // least distance from solids, over dx
-    double jitter = 0.25;                // farthest from the middle of its share along each axis, over its width
-    std::vector<double> viscosities;     // [Pa s] per liquid, unless `viscosity` is given
+    double clearance = 0.05;                           // least distance from solids, over dx
+    double jitter = 0.25;            // farthest from the middle of its share along each axis, over its width
+    std::vector<double> viscosities; // [Pa s] per liquid, unless `viscosity` is given
     std::function<double(int, const Vec3&)> viscosity; // [Pa s] of liquid and place
-    std::vector<LinearVelocity> velocities; // per liquid; the affine matrices start with their gradients
+    std::vector<LinearVelocity> velocities;            // per liquid; the affine matrices start with their gradients
 };
 
 // Volume that a particle stands for [m3], in 2D [m2] times dx.

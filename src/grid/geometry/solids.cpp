@@ -28,45 +28,47 @@ std::vector<CellBox> without(CellBox all, const CellBox& hole) {
 }
 
 void copy_box(const CellBox& cells, const FineNodes& from, const Array<double>& distance, const Array<int>& number,
-              const FineNodes& to, const Array<double>& to_distance, const Array<int>& to_number) {
+    const FineNodes& to, const Array<double>& to_distance, const Array<int>& to_number) {
     if (cells.empty()) return;
-    Kokkos::parallel_for("treacle::copy_solid", static_cast<int>(cells.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        cells.cell(i, c);
-        const int a = FineNodes::per_cell * from.window.index(c[0], c[1], c[2]);
-        const int b = FineNodes::per_cell * to.window.index(c[0], c[1], c[2]);
-        for (int k = 0; k < FineNodes::per_cell; ++k) {
-            to_distance(b + k) = distance(a + k);
-            to_number(b + k) = number(a + k);
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::copy_solid", static_cast<int>(cells.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            cells.cell(i, c);
+            const int a = FineNodes::per_cell * from.window.index(c[0], c[1], c[2]);
+            const int b = FineNodes::per_cell * to.window.index(c[0], c[1], c[2]);
+            for (int k = 0; k < FineNodes::per_cell; ++k) {
+                to_distance(b + k) = distance(a + k);
+                to_number(b + k) = number(a + k);
+            }
+        });
 }
 
 // Outside of the domain the exact distance, beyond edges and corners too.
 void fill_wall_distance(const FineNodes& nodes, const WallPlanes& walls, double far, const Array<double>& distance,
-                        const Array<int>& number) {
-    Kokkos::parallel_for("treacle::wall_distance", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        nodes.window.cell(i, c);
-        for (int corner = 0; corner < FineNodes::per_cell; ++corner) {
-            double x[3];
-            nodes.place(c, corner, x);
-            double least = far, beyond = 0;
-            int nearest = Solids::nothing;
-            for (int side = 0; side < 2 * walls.dimensions; ++side) {
-                if (!walls.is_wall[side]) continue;
-                const double d = walls.distance(side, x);
-                if (d < 0) beyond += d * d;
-                if (d < least) {
-                    least = d;
-                    nearest = Solids::side(side);
+    const Array<int>& number) {
+    Kokkos::parallel_for(
+        "treacle::wall_distance", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            nodes.window.cell(i, c);
+            for (int corner = 0; corner < FineNodes::per_cell; ++corner) {
+                double x[3];
+                nodes.place(c, corner, x);
+                double least = far, beyond = 0;
+                int nearest = Solids::nothing;
+                for (int side = 0; side < 2 * walls.dimensions; ++side) {
+                    if (!walls.is_wall[side]) continue;
+                    const double d = walls.distance(side, x);
+                    if (d < 0) beyond += d * d;
+                    if (d < least) {
+                        least = d;
+                        nearest = Solids::side(side);
+                    }
                 }
+                if (beyond > 0) least = -math::sqrt(beyond);
+                distance(FineNodes::per_cell * i + corner) = least;
+                number(FineNodes::per_cell * i + corner) = nearest;
             }
-            if (beyond > 0) least = -math::sqrt(beyond);
-            distance(FineNodes::per_cell * i + corner) = least;
-            number(FineNodes::per_cell * i + corner) = nearest;
-        }
-    });
+        });
 }
 
 // A body where it is, or an image of it.
@@ -100,8 +102,8 @@ std::vector<std::pair<std::size_t, rigid::Pose>> moving_poses(const rigid::Rigid
 }
 
 // Cells that a body's surface and the band around it may reach; all of them for what has no end.
-CellBox reach_of(const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift, const MacGrid& grid,
-                 const CellBox& cells) {
+CellBox reach_of(
+    const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift, const MacGrid& grid, const CellBox& cells) {
     const auto& setup = bodies.setup().bodies[body];
     const auto& region = setup.region.front();
     if (region.inverted() || !region.closed()) return cells;
@@ -128,7 +130,7 @@ template <class Distances, class Numbers>
 class BodySampler {
 public:
     BodySampler(const PlacedBody& body, int number, const FineNodes& nodes, double dx, const Distances& distance,
-                const Numbers& numbers)
+        const Numbers& numbers)
         : body_(body), number_(number), nodes_(nodes), dx_(dx), distance_(distance), numbers_(numbers) {}
 
     void sample(const CellBox& cells) { visit(cells, tile); }
@@ -192,8 +194,8 @@ private:
 
 // Shifts by whole periods whose image of the body may meet the cells, with what they reach.
 template <class Visit>
-void for_images(const rigid::RigidBodies& bodies, std::size_t body, const MacGrid& grid, const CellBox& cells,
-                const Visit& visit) {
+void for_images(
+    const rigid::RigidBodies& bodies, std::size_t body, const MacGrid& grid, const CellBox& cells, const Visit& visit) {
     int images[3];
     Vec3 back{0, 0, 0}; // to the domain, for what has gone through periodic sides
     const auto& region = bodies.setup().bodies[body].region.front();
@@ -201,13 +203,14 @@ void for_images(const rigid::RigidBodies& bodies, std::size_t body, const MacGri
         const auto axis = static_cast<std::size_t>(k);
         images[k] = grid.cells.periodic(k) && region.closed() && !region.inverted() ? 1 : 0;
         if (images[k] == 0) continue;
-        back[axis] = -grid.cells.period[k] * std::floor((bodies.pose(body).centre[axis] - grid.lower[k]) / grid.cells.period[k]);
+        back[axis] =
+            -grid.cells.period[k] * std::floor((bodies.pose(body).centre[axis] - grid.lower[k]) / grid.cells.period[k]);
     }
     for (int z = -images[2]; z <= images[2]; ++z) {
         for (int y = -images[1]; y <= images[1]; ++y) {
             for (int x = -images[0]; x <= images[0]; ++x) {
                 const Vec3 shift{back[0] + x * grid.cells.period[0], back[1] + y * grid.cells.period[1],
-                                 back[2] + z * grid.cells.period[2]};
+                    back[2] + z * grid.cells.period[2]};
                 const CellBox reached = reach_of(bodies, body, shift, grid, cells);
                 if (!reached.empty()) visit(shift, reached);
             }
@@ -257,8 +260,10 @@ void Solids::follow_window(const CellBox& window, const rigid::RigidBodies& bodi
     const auto old_distance = resting_;
     const auto old_number = resting_number_;
     nodes_ = FineNodes(grid_, window);
-    resting_ = Array<double>(Kokkos::view_alloc(Kokkos::WithoutInitializing, "treacle::resting_distance"), nodes_.size());
-    resting_number_ = Array<int>(Kokkos::view_alloc(Kokkos::WithoutInitializing, "treacle::resting_number"), nodes_.size());
+    resting_ =
+        Array<double>(Kokkos::view_alloc(Kokkos::WithoutInitializing, "treacle::resting_distance"), nodes_.size());
+    resting_number_ =
+        Array<int>(Kokkos::view_alloc(Kokkos::WithoutInitializing, "treacle::resting_number"), nodes_.size());
     fill_wall_distance(nodes_, walls_, band_, resting_, resting_number_);
     const CellBox known = intersect(old.window, window);
     for (const auto& cells : without(window, known)) add_bodies(bodies, false, cells);

@@ -43,10 +43,10 @@ public:
 
     // Fields as of the last update().
     const FineNodes& nodes() const { return nodes_; }
-    const Array<double>& distance() const { return distance_; } // [fine nodes] [m]
-    const Array<int>& number() const { return number_; }        // [fine nodes]
+    const Array<double>& distance() const { return distance_; }     // [fine nodes] [m]
+    const Array<int>& number() const { return number_; }            // [fine nodes]
     DistanceSampler sampler() const { return {nodes_, distance_}; } // trilinear, of distance()
-    const Array<int>& moves() const { return moves_; }          // [bodies] 1 where a body moves
+    const Array<int>& moves() const { return moves_; }              // [bodies] 1 where a body moves
     const BodyMotion& motion() const { return motion_; }
     const WallPlanes& walls() const { return walls_; }
 
@@ -67,7 +67,7 @@ private:
     Array<int> number_{"treacle::solid_number", 0}, resting_number_{"treacle::resting_number", 0};
     BodyMotion motion_;
     Array<int> moves_{"treacle::body_moves", 0};
-    std::vector<CellBox> touched_; // where moving bodies stand in distance_
+    std::vector<CellBox> touched_;                           // where moving bodies stand in distance_
     std::vector<std::pair<std::size_t, rigid::Pose>> poses_; // by body, that they have there
 };
 

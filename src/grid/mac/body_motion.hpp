@@ -51,7 +51,9 @@ struct BodyMotion {
         double r[3] = {0, 0, 0};
         if (number >= 0) arm(number, x, r);
         for (int k = 0; k < 3; ++k) {
-            u[k] = number >= 0 ? rigid_velocity(number, k, r) + (sticks ? bend(number, k, r) : 0.0) : number >= -6 ? side[-1 - number][k] : 0.0;
+            u[k] = number >= 0    ? rigid_velocity(number, k, r) + (sticks ? bend(number, k, r) : 0.0)
+                   : number >= -6 ? side[-1 - number][k]
+                                  : 0.0;
         }
     }
 };

@@ -7,9 +7,9 @@ void mark_faces(const MacGrid& grid, const CellBox& window, const FaceField& fie
         reserve(known.axis[a], static_cast<std::size_t>(window.size()));
         const auto mark = known.axis[a];
         const auto value = field.axis[a];
-        Kokkos::parallel_for("treacle::mark_faces", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-            mark(i) = value(i) > least ? 1 : 0;
-        });
+        Kokkos::parallel_for(
+            "treacle::mark_faces", static_cast<int>(window.size()),
+            KOKKOS_LAMBDA(int i) { mark(i) = value(i) > least ? 1 : 0; });
     }
 }
 
@@ -30,27 +30,28 @@ struct Block {
 
 void add_layer(const CellBox& window, const Block& block, int layer, const Array<double>& u, const Array<int>& known) {
     const int dimensions = block.dimensions;
-    Kokkos::parallel_for("treacle::extrapolate", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        if (known(i) != 0) return;
-        int c[3];
-        window.cell(i, c);
-        int stride = 1, count = 0;
-        double sum = 0;
-        for (int k = 0; k < dimensions; ++k) {
-            for (int up = 0; up < 2; ++up) {
-                if (up ? c[k] + 1 >= window.hi[k] : c[k] <= window.lo[k]) continue;
-                const int j = i + (up ? stride : -stride);
-                // Values that this layer itself finds do not count.
-                if (known(j) == 0 || known(j) > layer) continue;
-                sum += u(j);
-                ++count;
+    Kokkos::parallel_for(
+        "treacle::extrapolate", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            if (known(i) != 0) return;
+            int c[3];
+            window.cell(i, c);
+            int stride = 1, count = 0;
+            double sum = 0;
+            for (int k = 0; k < dimensions; ++k) {
+                for (int up = 0; up < 2; ++up) {
+                    if (up ? c[k] + 1 >= window.hi[k] : c[k] <= window.lo[k]) continue;
+                    const int j = i + (up ? stride : -stride);
+                    // Values that this layer itself finds do not count.
+                    if (known(j) == 0 || known(j) > layer) continue;
+                    sum += u(j);
+                    ++count;
+                }
+                stride *= window.hi[k] - window.lo[k];
             }
-            stride *= window.hi[k] - window.lo[k];
-        }
-        if (count == 0 || !block.contains(c)) return;
-        u(i) = sum / count;
-        known(i) = layer + 1;
-    });
+            if (count == 0 || !block.contains(c)) return;
+            u(i) = sum / count;
+            known(i) = layer + 1;
+        });
 }
 
 void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& velocity, const FaceValidity& known) {
@@ -75,7 +76,8 @@ void extrapolate(const MacGrid& grid, CellHalo& halo, FaceField& velocity, FaceV
             gather_faces(grid, halo, velocity, known);
             right = halo.layers();
         }
-        for (int a = 0; a < grid.dimensions; ++a) add_layer(halo.window(), block, layer, velocity.axis[a], known.axis[a]);
+        for (int a = 0; a < grid.dimensions; ++a)
+            add_layer(halo.window(), block, layer, velocity.axis[a], known.axis[a]);
         --right;
     }
     gather_faces(grid, halo, velocity, known);

@@ -15,9 +15,9 @@ inline bool same_cells(const CellBox& a, const CellBox& b) {
 // lower + dx/2 (x, y, z); node 2c is the lower corner of cell c. 2D scenes use z = 0 alone.
 struct FineNodes {
     static constexpr int per_cell = 8;
-    CellBox window; // of cells
-    double lower[3]{};      // [m]
-    double width = 0;       // dx / 2 [m]
+    CellBox window;    // of cells
+    double lower[3]{}; // [m]
+    double width = 0;  // dx / 2 [m]
     int dimensions = 3;
 
     FineNodes() = default;

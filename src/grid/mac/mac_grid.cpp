@@ -14,7 +14,9 @@ constexpr double whole = 1e-6;
 // By how much the cells begin before the domain does: of an axis that is open on both sides what they reach beyond it is shared by both, so that
 // what is symmetrical about its middle stays so at any spacing. Otherwise they begin at the side itself, as walls are sharpest on nodes.
 double first_side_surplus(const scene::Domain& domain, std::size_t axis, int cells) {
-    if (domain.faces[2 * axis].kind != scene::BoundaryKind::open || domain.faces[2 * axis + 1].kind != scene::BoundaryKind::open) return 0;
+    if (domain.faces[2 * axis].kind != scene::BoundaryKind::open ||
+        domain.faces[2 * axis + 1].kind != scene::BoundaryKind::open)
+        return 0;
     const double surplus = cells * domain.spacing - (domain.max[axis] - domain.min[axis]);
     return surplus > whole * domain.spacing ? 0.5 * surplus : 0;
 }
@@ -37,10 +39,11 @@ MacGrid make_mac_grid(const scene::Domain& domain) {
         const double cells = length / grid.dx;
         const bool periodic = domain.faces[2 * axis].kind == scene::BoundaryKind::periodic;
         if (periodic && std::fabs(cells - std::round(cells)) > whole) {
-            throw InputError({domain.where, "domain.spacing = " + format_number(grid.dx) + " m does not divide the period of " +
-                                                format_number(length) + " m",
-                              "a periodic axis of method grid holds a whole number of cells",
-                              "take " + format_number(length / std::ceil(cells)) + " m, or another period"});
+            throw InputError({domain.where,
+                "domain.spacing = " + format_number(grid.dx) + " m does not divide the period of " +
+                    format_number(length) + " m",
+                "a periodic axis of method grid holds a whole number of cells",
+                "take " + format_number(length / std::ceil(cells)) + " m, or another period"});
         }
         const int count = static_cast<int>(std::ceil(cells - whole));
         const int beyond = periodic ? 0 : MacGrid::padding;

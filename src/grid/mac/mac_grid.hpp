@@ -19,8 +19,8 @@ namespace treacle::grid {
 // those along z; their volumes are per metre of depth times dx, and sums are divided by dx where they are reported.
 struct MacGrid {
     CellGrid cells;
-    double dx = 0;          // [m]
-    double lower[3]{};      // [m] lower corner of cell 0
+    double dx = 0;     // [m]
+    double lower[3]{}; // [m] lower corner of cell 0
     int dimensions = 3;
     static constexpr int padding = 2;
 
@@ -71,8 +71,8 @@ struct Fractions {
 // Shares of moving bodies in the cube around a face (W_S of each): compressed by face of the window. The shares of a
 // face and its fluid share sum to at most 1; what is missing belongs to solids that rest.
 struct BodyShares {
-    Array<int> first;   // [window + 1]
-    Array<int> body;    // [first(window)] number of the body in rigid::RigidBodies
+    Array<int> first;    // [window + 1]
+    Array<int> body;     // [first(window)] number of the body in rigid::RigidBodies
     Array<double> share; // [first(window)] W_S [1]
 };
 

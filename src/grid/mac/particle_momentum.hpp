@@ -10,7 +10,8 @@ struct ParticleMotion {
     double c[3][3]; // row a: the gradient of u_a [1/s]
 
     // Particle i of fields [particles][3]; gradient[a] is that of u_a [1/s].
-    KOKKOS_INLINE_FUNCTION ParticleMotion(const Array3& place, const Array3& velocity, const Array3 gradient[3], int i) {
+    KOKKOS_INLINE_FUNCTION ParticleMotion(
+        const Array3& place, const Array3& velocity, const Array3 gradient[3], int i) {
         for (int a = 0; a < 3; ++a) {
             x[a] = place(i, a);
             u[a] = velocity(i, a);

@@ -12,8 +12,8 @@ public:
           end_velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
           acceleration_(store.add<Array3>("acceleration", "m/s2", FieldRole::state)),
           affine_{store.add<Array3>("gradient_of_u", "1/s", FieldRole::state),
-                  store.add<Array3>("gradient_of_v", "1/s", FieldRole::state),
-                  store.add<Array3>("gradient_of_w", "1/s", FieldRole::state)},
+              store.add<Array3>("gradient_of_v", "1/s", FieldRole::state),
+              store.add<Array3>("gradient_of_w", "1/s", FieldRole::state)},
           liquid_(store.add<Array<int>>("liquid", "", FieldRole::state, true)),
           viscosity_(store.add<Array<double>>("viscosity", "Pa s", FieldRole::state, true)),
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
@@ -27,13 +27,15 @@ public:
     ParticleStore store;
     const Array3& position() const { return store.position(); }
     const Array<std::int64_t>& id() const { return store.id(); }
-    const Array3& velocity() const { return store.get<Array3>(velocity_); } // of the middle of the last step
-    const Array3& end_velocity() const { return store.get<Array3>(end_velocity_); } // of its end, synchronise.hpp
-    const Array3& acceleration() const { return store.get<Array3>(acceleration_); } // of the last step
+    const Array3& velocity() const { return store.get<Array3>(velocity_); }           // of the middle of the last step
+    const Array3& end_velocity() const { return store.get<Array3>(end_velocity_); }   // of its end, synchronise.hpp
+    const Array3& acceleration() const { return store.get<Array3>(acceleration_); }   // of the last step
     const Array3& affine(int axis) const { return store.get<Array3>(affine_[axis]); } // gradient of one component
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); }       // from 0
     const Array<double>& viscosity() const { return store.get<Array<double>>(viscosity_); } // [Pa s]
-    const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // of the last step, for frames
+    const Array<double>& pressure() const {
+        return store.get<Array<double>>(pressure_);
+    }                                                                                   // of the last step, for frames
     const Array<double>& density() const { return store.get<Array<double>>(density_); } // position_correction.hpp
     const Array3& image() const { return store.get<Array3>(image_); }                   // level_set.hpp
     const Array3& correction() const { return store.get<Array3>(correction_); }         // [m], position_correction.hpp
@@ -49,7 +51,8 @@ public:
     int multiplier_field() const { return multiplier_; }
 
 private:
-    int velocity_, end_velocity_, acceleration_, affine_[3], liquid_, viscosity_, pressure_, density_, image_, correction_, multiplier_, cause_;
+    int velocity_, end_velocity_, acceleration_, affine_[3], liquid_, viscosity_, pressure_, density_, image_,
+        correction_, multiplier_, cause_;
 };
 
 } // namespace treacle::grid

@@ -68,7 +68,8 @@ KOKKOS_INLINE_FUNCTION double clipped_liquid_fraction(const double solid[4], con
     }
     // The wedge between the triangles (c, ca, cb) and (d, da, db).
     const double ca = cut(c, a), cb = cut(c, b), da = cut(d, a), db = cut(d, b);
-    const double lca = lc + ca * (la - lc), lcb = lc + cb * (lb - lc), lda = ld + da * (la - ld), ldb = ld + db * (lb - ld);
+    const double lca = lc + ca * (la - lc), lcb = lc + cb * (lb - lc), lda = ld + da * (la - ld),
+                 ldb = ld + db * (lb - ld);
     const double one[4] = {lc, lca, lcb, ldb}, two[4] = {lc, lca, lda, ldb}, three[4] = {lc, ld, lda, ldb};
     return ca * cb * (1 - db) * negative_share(one) + ca * (1 - da) * db * negative_share(two) +
            da * db * negative_share(three);

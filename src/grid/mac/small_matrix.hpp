@@ -33,7 +33,8 @@ struct SmallMatrix {
     KOKKOS_INLINE_FUNCTION SmallMatrix times(const SmallMatrix& b) const {
         SmallMatrix out;
         for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) out.at[i][j] = at[i][0] * b.at[0][j] + at[i][1] * b.at[1][j] + at[i][2] * b.at[2][j];
+            for (int j = 0; j < 3; ++j)
+                out.at[i][j] = at[i][0] * b.at[0][j] + at[i][1] * b.at[1][j] + at[i][2] * b.at[2][j];
         }
         return out;
     }

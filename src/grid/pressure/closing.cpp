@@ -9,10 +9,10 @@ namespace treacle::grid {
 
 namespace {
 constexpr double open_cell = -1, released_cell = -2; // in the place of what flows in
-constexpr double overfilled = 0.02; // cells: what flows in beyond a cell's room without closing it
-constexpr double depth = 0.5;         // widths, of the centre of a cell that closes
-constexpr int most_cells = 3;         // that liquid moves by in a step; the layers of the halo
-constexpr int most_sweeps = 6;        // cells that liquid may back up by: what both sides of a gap may move by in a step
+constexpr double overfilled = 0.02;                  // cells: what flows in beyond a cell's room without closing it
+constexpr double depth = 0.5;                        // widths, of the centre of a cell that closes
+constexpr int most_cells = 3;                        // that liquid moves by in a step; the layers of the halo
+constexpr int most_sweeps = 6; // cells that liquid may back up by: what both sides of a gap may move by in a step
 
 struct ClosingLoop {
     MacGrid grid;
@@ -120,12 +120,13 @@ void Closing::find_occupied(CellHalo& halo, const CellList& cells) {
     reserve(surface_, static_cast<std::size_t>(window.size()));
     Kokkos::deep_copy(occupied_, 0);
     const auto occupied = occupied_;
-    Kokkos::parallel_for("treacle::occupied", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
-        int c[3];
-        owned.cell(n, c);
-        const int at = cells.window.index(c[0], c[1], c[2]);
-        occupied(window.index(c[0], c[1], c[2])) = cells.end(at) > cells.begin(at) ? 1 : 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::occupied", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            owned.cell(n, c);
+            const int at = cells.window.index(c[0], c[1], c[2]);
+            occupied(window.index(c[0], c[1], c[2])) = cells.end(at) > cells.begin(at) ? 1 : 0;
+        });
     halo.gather({occupied_});
     has_occupied_ = true;
 }
@@ -136,9 +137,9 @@ bool Closing::find(const Comm& comm, const Scene& scene, double dt) {
     if (!has_occupied_) find_occupied(scene.halo, scene.cells);
     reserve(factor_, static_cast<std::size_t>(scene.halo.window().size()));
     Kokkos::deep_copy(factor_, 1.0);
-    ClosingLoop loop{scene.grid, owned, scene.faces, scene.cells, scene.fractions.cell_fluid, scene.distance, surface_, inflow_, factor_,
-                     scene.velocity, scene.solids.number(), occupied_, scene.solids.motion(), scene.slip.points(scene.grid),
-                     std::pow(particles_per_axis, scene.grid.dimensions), dt};
+    ClosingLoop loop{scene.grid, owned, scene.faces, scene.cells, scene.fractions.cell_fluid, scene.distance, surface_,
+        inflow_, factor_, scene.velocity, scene.solids.number(), occupied_, scene.solids.motion(),
+        scene.slip.points(scene.grid), std::pow(particles_per_axis, scene.grid.dimensions), dt};
     bool any = false;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         int found = 0;
@@ -162,15 +163,18 @@ bool Closing::release(const Comm& comm, const Scene& scene, const Array<double>&
     const auto inflow = inflow_, surface = surface_, distance = scene.distance;
     int found = 0;
     if (!owned.empty()) {
-        Kokkos::parallel_reduce("treacle::release", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n, int& sum) {
-            int c[3];
-            owned.cell(n, c);
-            const int i = window.index(c[0], c[1], c[2]);
-            if (!(inflow(i) >= 0) || !(pressure(i) < 0)) return;
-            inflow(i) = released_cell;
-            distance(i) = surface(i);
-            ++sum;
-        }, found);
+        Kokkos::parallel_reduce(
+            "treacle::release", static_cast<int>(owned.size()),
+            KOKKOS_LAMBDA(int n, int& sum) {
+                int c[3];
+                owned.cell(n, c);
+                const int i = window.index(c[0], c[1], c[2]);
+                if (!(inflow(i) >= 0) || !(pressure(i) < 0)) return;
+                inflow(i) = released_cell;
+                distance(i) = surface(i);
+                ++sum;
+            },
+            found);
     }
     if (!comm.any(found > 0)) return false;
     scene.halo.gather({scene.distance});

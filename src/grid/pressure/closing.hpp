@@ -19,13 +19,14 @@ public:
     struct Scene {
         const MacGrid& grid;
         CellHalo& halo;
-        const CellList& cells;           // of the particles
-        const Fractions& fractions;      // cell_fluid
-        const Solids& solids;            // with the motion of the step
-        const PressureFaces& faces;      // with the distances below
-        const FaceField& velocity;       // current around the owned faces, continued beyond the surface
-        const Array<double>& distance;   // [window] of centres from the surface [m]; that of closing cells becomes negative
-        SlipAreas slip;                  // of bodies that liquid slides along
+        const CellList& cells;      // of the particles
+        const Fractions& fractions; // cell_fluid
+        const Solids& solids;       // with the motion of the step
+        const PressureFaces& faces; // with the distances below
+        const FaceField& velocity;  // current around the owned faces, continued beyond the surface
+        const Array<double>&
+            distance;   // [window] of centres from the surface [m]; that of closing cells becomes negative
+        SlipAreas slip; // of bodies that liquid slides along
     };
     // Local: no cell closes yet.
     void clear(const CellHalo& halo);
@@ -48,8 +49,8 @@ private:
     bool has_occupied_ = false; // in this step
     Array<double> inflow_{"treacle::closing", 0};
     Array<double> surface_{"treacle::closing_surface", 0}; // [window] the distances before
-    Array<double> factor_{"treacle::closing_factor", 0}; // [window] of what flows into a cell, what it has room for
-    Array<int> occupied_{"treacle::occupied", 0}; // [window] 1: with particles
+    Array<double> factor_{"treacle::closing_factor", 0};   // [window] of what flows into a cell, what it has room for
+    Array<int> occupied_{"treacle::occupied", 0};          // [window] 1: with particles
     FaceField backed_up_;
 };
 

@@ -54,11 +54,14 @@ struct SumLoop {
 bool is_constrained(const rigid::RigidBodies& bodies, std::size_t b) {
     const auto& setup = bodies.setup();
     if (!bodies.dynamic(b) || std::ranges::any_of(setup.bodies[b].locked, [](bool is) { return is; })) return true;
-    return std::ranges::any_of(setup.joints, [b](const auto& joint) { return joint.body == b || joint.other == static_cast<int>(b); });
+    return std::ranges::any_of(
+        setup.joints, [b](const auto& joint) { return joint.body == b || joint.other == static_cast<int>(b); });
 }
 
 // Place of a label among those found, their number for none of them.
-std::size_t place_of(const std::vector<double>& found, double label) { return static_cast<std::size_t>(std::ranges::find(found, label) - found.begin()); }
+std::size_t place_of(const std::vector<double>& found, double label) {
+    return static_cast<std::size_t>(std::ranges::find(found, label) - found.begin());
+}
 } // namespace
 
 // Connected cells and bodies on this rank, and the least number in each set over all ranks.
@@ -85,16 +88,18 @@ void mark_liquid(const MomentumBalance::Scene& scene, const Array<int>& liquid) 
     const CellList cells = scene.cells;
     const auto distance = scene.distance;
     Kokkos::deep_copy(liquid, 0);
-    Kokkos::parallel_for("treacle::momentum_liquid", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
-        int c[3];
-        owned.cell(n, c);
-        const int here = cells.window.index(c[0], c[1], c[2]), at = window.index(c[0], c[1], c[2]);
-        liquid(at) = cells.end(here) > cells.begin(here) || distance(at) < 0 ? 1 : 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::momentum_liquid", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            owned.cell(n, c);
+            const int here = cells.window.index(c[0], c[1], c[2]), at = window.index(c[0], c[1], c[2]);
+            liquid(at) = cells.end(here) > cells.begin(here) || distance(at) < 0 ? 1 : 0;
+        });
 }
 // Joins cells with liquid to those beside them, and to the bodies at the faces that their particles read, those of the cells around;
 // marks the cells that have something at rest there.
-void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirror& liquid, DisjointSets& sets, std::vector<char>& rests) {
+void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirror& liquid, DisjointSets& sets,
+    std::vector<char>& rests) {
     if (scene.halo.owned().empty()) return;
     const CellBox window = scene.halo.window(), around = grown(scene.halo.owned(), 1, scene.grid.dimensions);
     const auto cells = static_cast<std::size_t>(window.size());
@@ -105,7 +110,8 @@ void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirro
         for (int z = -deep; z <= deep; ++z) {
             for (int y = -1; y <= 1; ++y) {
                 for (int x = -1; x <= 1; ++x) {
-                    const auto above = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(face) + x * stride[0] + y * stride[1] + z * stride[2]);
+                    const auto above = static_cast<std::size_t>(
+                        static_cast<std::ptrdiff_t>(face) + x * stride[0] + y * stride[1] + z * stride[2]);
                     for (const auto cell : {above, above - static_cast<std::size_t>(along)}) {
                         if (liquid(cell) != 0) use(cell);
                     }
@@ -138,13 +144,15 @@ void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirro
 } // namespace
 
 // Collective: gives each set the least number of its members on all ranks. `liquid`: [window] 1: cells with liquid.
-void MomentumBalance::lower_labels(const Comm& comm, const Scene& scene, const Array<int>::HostMirror& liquid, Labels& labels) {
+void MomentumBalance::lower_labels(
+    const Comm& comm, const Scene& scene, const Array<int>::HostMirror& liquid, Labels& labels) {
     const std::size_t cells = labels.cells, n = labels.sets.size() - cells;
     // Numbers that no two members share but a body's on all ranks.
     const double before = double(comm.exclusive_sum(static_cast<std::int64_t>(cells)));
     const double all = double(comm.sum(static_cast<std::int64_t>(cells)));
     labels.label.assign(cells + n, std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < cells + n; ++i) labels.lower(i, i < cells ? before + double(i) : all + double(i - cells));
+    for (std::size_t i = 0; i < cells + n; ++i)
+        labels.lower(i, i < cells ? before + double(i) : all + double(i - cells));
     auto label = Kokkos::create_mirror_view(label_);
     std::vector<double> of_body(n);
     for (bool changed = true; changed;) {
@@ -208,8 +216,11 @@ void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid:
     comm.sum(std::span<std::int64_t>(touches));
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         auto& of = groups_[g];
-        const auto surface_velocity_only = [&](std::size_t b) { return bodies.setup().bodies[b].surface_velocity_only; };
-        of.balanced = touches[2 * g] == 0 && touches[2 * g + 1] > 0 && !of.bodies.empty() && std::ranges::none_of(of.bodies, surface_velocity_only);
+        const auto surface_velocity_only = [&](std::size_t b) {
+            return bodies.setup().bodies[b].surface_velocity_only;
+        };
+        of.balanced = touches[2 * g] == 0 && touches[2 * g + 1] > 0 && !of.bodies.empty() &&
+                      std::ranges::none_of(of.bodies, surface_velocity_only);
         of.free = std::ranges::none_of(of.bodies, [&](std::size_t b) { return is_constrained(bodies, b); });
     }
 }
@@ -227,7 +238,7 @@ MomentumBalance::Sums MomentumBalance::sums(const Comm& comm, const Scene& scene
     loop.mass = scene.particle_mass;
     std::array<double, count> all{};
     Kokkos::parallel_reduce("treacle::momentum_sums", scene.particles.store.owned(), loop,
-                            Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(all.data(), count));
+        Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>(all.data(), count));
     comm.sum(std::span<double>(all));
     if (scene.grid.dimensions == 2) std::ranges::for_each(all, [&](double& sum) { sum /= scene.grid.dx; });
     Sums out;
@@ -245,24 +256,26 @@ void MomentumBalance::move(const Scene& scene, int group, const Vec3& velocity, 
     const auto x = scene.particles.position(), u = scene.particles.velocity();
     const double v[3] = {velocity[0], velocity[1], velocity[2]}, w[3] = {spin[0], spin[1], spin[2]};
     const Array3 c[3] = {scene.particles.affine(0), scene.particles.affine(1), scene.particles.affine(2)};
-    Kokkos::parallel_for("treacle::balance_momentum", scene.particles.store.owned(), KOKKOS_LAMBDA(int i) {
-        int cell[3];
-        grid.cells.locate(x(i, 0), x(i, 1), x(i, 2), cell);
-        if (of(window.index(cell[0], cell[1], cell[2])) != group) return;
-        for (int a = 0; a < grid.dimensions; ++a) {
-            const int b = (a + 1) % 3, d = (a + 2) % 3;
-            u(i, a) += v[a] + w[b] * x(i, d) - w[d] * x(i, b);
-            c[a](i, d) += w[b];
-            c[a](i, b) -= w[d];
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::balance_momentum", scene.particles.store.owned(), KOKKOS_LAMBDA(int i) {
+            int cell[3];
+            grid.cells.locate(x(i, 0), x(i, 1), x(i, 2), cell);
+            if (of(window.index(cell[0], cell[1], cell[2])) != group) return;
+            for (int a = 0; a < grid.dimensions; ++a) {
+                const int b = (a + 1) % 3, d = (a + 2) % 3;
+                u(i, a) += v[a] + w[b] * x(i, d) - w[d] * x(i, b);
+                c[a](i, d) += w[b];
+                c[a](i, b) -= w[d];
+            }
+        });
 }
 
 void MomentumBalance::begin(const Comm& comm, const Scene& scene, const rigid::RigidBodies& bodies) {
     groups_.clear();
     // Liquid at an inlet is pushed by what is behind it.
     bool any = false;
-    for (std::size_t b = 0; b < bodies.size(); ++b) any = any || (bodies.moves(b) && !bodies.setup().bodies[b].surface_velocity_only);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        any = any || (bodies.moves(b) && !bodies.setup().bodies[b].surface_velocity_only);
     if (!any) return;
     connect(comm, scene, bodies);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -309,7 +322,8 @@ Matrix6 mass_of(const rigid::RigidBodies& bodies, std::size_t b) {
     out.block<3, 3>(3, 0) = mass * arm;
     const auto inertia = bodies.inertia(b);
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) out(3 + i, 3 + j) = inertia[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+        for (int j = 0; j < 3; ++j)
+            out(3 + i, 3 + j) = inertia[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
     }
     out.block<3, 3>(3, 3) -= mass * arm * arm;
     return out;
@@ -327,7 +341,8 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> motions(const MacGrid& grid) {
 }
 } // namespace
 
-void MomentumBalance::end(const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads) {
+void MomentumBalance::end(
+    const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads) {
     const auto kept = motions(scene.grid);
     std::vector<double> body_loads(6 * bodies.size(), 0.0);
     bool any = false;
@@ -338,8 +353,11 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Kick& kick
         const auto load = [&](std::size_t b) { return loads.subspan(6 * b, 6); };
         const Vec3 moment{after.moment[0], after.moment[1], after.moment[2]};
         Vector6 missing;
-        missing << kick.time * after.mass * vector(kick.gravity), kick.time * vector(moment).cross(vector(kick.gravity));
-        for (int k = 0; k < 6; ++k) missing[k] -= after.momentum[static_cast<std::size_t>(k)] - group.before.momentum[static_cast<std::size_t>(k)];
+        missing << kick.time * after.mass * vector(kick.gravity),
+            kick.time * vector(moment).cross(vector(kick.gravity));
+        for (int k = 0; k < 6; ++k)
+            missing[k] -=
+                after.momentum[static_cast<std::size_t>(k)] - group.before.momentum[static_cast<std::size_t>(k)];
         for (const auto b : group.bodies) missing -= kick.time * about_origin(bodies.pose(b).centre, load(b));
         if (!group.free) {
             // Momentum that the liquid did not get was not given, as long as one body alone can have given it.
@@ -349,7 +367,8 @@ void MomentumBalance::end(const Comm& comm, const Scene& scene, const Kick& kick
             const Eigen::Vector3d force = change.head<3>(), torque = change.tail<3>() - vector(centre).cross(force);
             for (int k = 0; k < 3; ++k) load(group.bodies[0])[static_cast<std::size_t>(k)] += force[k];
             if (kept.cols() == 6 || scene.grid.dimensions == 2) {
-                for (int k = scene.grid.dimensions == 2 ? 2 : 0; k < 3; ++k) load(group.bodies[0])[static_cast<std::size_t>(3 + k)] += torque[k];
+                for (int k = scene.grid.dimensions == 2 ? 2 : 0; k < 3; ++k)
+                    load(group.bodies[0])[static_cast<std::size_t>(3 + k)] += torque[k];
             }
             continue;
         }

@@ -40,7 +40,8 @@ public:
         const Vec3& gravity; // [m/s2]
         double time;         // that it acted for [s]
     };
-    void end(const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads);
+    void end(
+        const Comm& comm, const Scene& scene, const Kick& kick, rigid::RigidBodies& bodies, std::span<double> loads);
 
     // Memory of this rank [bytes].
     std::size_t bytes() const { return sizeof(double) * label_.span() + sizeof(int) * group_.span(); }
@@ -50,7 +51,7 @@ public:
         std::array<double, 6> momentum{}; // about the origin
         double mass = 0;                  // [kg]
         std::array<double, 3> moment{};   // mass times place
-        std::array<double, 9> turn{};     // angular momentum of unit spins about each axis through the origin, by columns
+        std::array<double, 9> turn{}; // angular momentum of unit spins about each axis through the origin, by columns
     };
     Sums sums(const Comm& comm, const Scene& scene, int group) const;
     void move(const Scene& scene, int group, const Vec3& velocity, const Vec3& spin) const;
@@ -67,8 +68,9 @@ private:
     void lower_labels(const Comm& comm, const Scene& scene, const Array<int>::HostMirror& liquid, Labels& labels);
     std::vector<double> group_bodies(Labels& labels, const rigid::RigidBodies& bodies);
 
-    Array<double> label_{"treacle::momentum_label", 0}; // [window] the least number of what hangs together, -1: no liquid
-    Array<int> group_{"treacle::momentum_group", 0};    // [window] of groups_, -1
+    Array<double> label_{
+        "treacle::momentum_label", 0};               // [window] the least number of what hangs together, -1: no liquid
+    Array<int> group_{"treacle::momentum_group", 0}; // [window] of groups_, -1
     std::vector<Group> groups_;
 };
 

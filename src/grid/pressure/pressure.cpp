@@ -33,12 +33,12 @@ solve::KrylovOptions Pressure::krylov(int dimensions) {
     out.strong_threshold = dimensions == 3 ? 0.5 : 0.25;
     if (options_.preconditioner == Preconditioner::multilevel) {
         out.user = {[this](std::span<const double> r, std::span<double> z) { multilevel_.apply(r, z); },
-                    [this](solve::Matrix& matrix) {
-                        const auto cells = system_.aggregates();
-                        solve::MultilevelCells where;
-                        where.cells = cells;
-                        multilevel_.set_up(matrix, where);
-                    }};
+            [this](solve::Matrix& matrix) {
+                const auto cells = system_.aggregates();
+                solve::MultilevelCells where;
+                where.cells = cells;
+                multilevel_.set_up(matrix, where);
+            }};
     }
     return out;
 }
@@ -51,8 +51,9 @@ void Pressure::compute_jumps(const PressureContext& scene) {
     const bool differ = scene.tensions != nullptr;
     const auto tensions = differ ? *scene.tensions : Array<double>();
     const double tension = scene.surface_tension;
-    Kokkos::parallel_for("treacle::surface_tension", static_cast<int>(window.size()),
-                         KOKKOS_LAMBDA(int i) { jump(i) = (differ ? tensions(i) : tension) * curvature(i); });
+    Kokkos::parallel_for(
+        "treacle::surface_tension", static_cast<int>(window.size()),
+        KOKKOS_LAMBDA(int i) { jump(i) = (differ ? tensions(i) : tension) * curvature(i); });
 }
 
 PressureFaces Pressure::describe(const PressureContext& scene) const {
@@ -111,20 +112,21 @@ solve::SolveReport Pressure::solve(std::span<double> b, std::span<double> x) {
         solver_.solve(*matrix_, b, x, solve::ConvergenceTest::residual(options_.residual, least_residual_));
     if (report.converged()) return report;
     throw SimulationError({"pressure solve", report.reason,
-                           "after " + std::to_string(report.iterations) + " iterations on " +
-                               std::to_string(system_.global_rows()) + " unknowns",
-                           "take a smaller time step, or another method.pressure.preconditioner"});
+        "after " + std::to_string(report.iterations) + " iterations on " + std::to_string(system_.global_rows()) +
+            " unknowns",
+        "take a smaller time step, or another method.pressure.preconditioner"});
 }
 
 void Pressure::collect(const Array<double>& cells, double factor) {
     const auto sum = pressures_;
     const auto window = halo_->window(), owned = halo_->owned();
-    Kokkos::parallel_for("treacle::sum_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        owned.cell(i, c);
-        const int at = window.index(c[0], c[1], c[2]);
-        sum(at) += factor * cells(at);
-    });
+    Kokkos::parallel_for(
+        "treacle::sum_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            owned.cell(i, c);
+            const int at = window.index(c[0], c[1], c[2]);
+            sum(at) += factor * cells(at);
+        });
 }
 
 void Pressure::apply(std::span<const double> p, double dt, SurfaceTension surface, const FaceField& velocity) {
@@ -139,7 +141,8 @@ void Pressure::apply(std::span<const double> p, double dt, SurfaceTension surfac
 }
 
 // (P4)
-PressureReport Pressure::project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt, SurfaceTension surface) {
+PressureReport Pressure::project(
+    const FaceField& velocity, rigid::RigidBodies& bodies, double dt, SurfaceTension surface) {
     PressureReport report;
     report.unknowns = system_.global_rows();
     report.closed = components_.closed();
@@ -187,8 +190,8 @@ void Pressure::record(std::span<const double> p) {
 
 std::size_t Pressure::bytes() const {
     return system_.bytes() + coupling_.bytes() + multilevel_.bytes() +
-           8 * (jump_.span() + right_hand_side_.span() + solution_.span() +
-                in_cells_.span() + pressures_.span() + found_.capacity());
+           8 * (jump_.span() + right_hand_side_.span() + solution_.span() + in_cells_.span() + pressures_.span() +
+                   found_.capacity());
 }
 
 } // namespace treacle::grid

@@ -15,22 +15,23 @@ struct PressureContext {
     const Fractions& fractions;    // open, face_fluid
     const FaceShares& shares;      // not used without bodies
     const rigid::RigidBodies& bodies;
-    double density = 0;            // [kg/m3]
-    double surface_tension = 0;    // [N/m]
+    double density = 0;                      // [kg/m3]
+    double surface_tension = 0;              // [N/m]
     const Array<double>* tensions = nullptr; // [window] at centres [N/m], where liquids differ in theirs
-    const FaceField* open = nullptr; // in the place of that of the fractions
-    SlipAreas slip; // of bodies that liquid slides along
-    const Array<double>* inflow = nullptr; // [window] what must flow into owned cells, over a face's area (density_relaxation.hpp) [m/s]
+    const FaceField* open = nullptr;         // in the place of that of the fractions
+    SlipAreas slip;                          // of bodies that liquid slides along
+    const Array<double>* inflow =
+        nullptr; // [window] what must flow into owned cells, over a face's area (density_relaxation.hpp) [m/s]
     const Array<double>* curvature = nullptr; // [window] of the surface at centres [1/m]; none: no surface tension acts
 };
 
 // Result of one projection, the same on every rank, its seconds aside.
 struct PressureReport {
     solve::SolveReport solve;
-    std::int64_t unknowns = 0; // over all ranks
-    int closed = 0;            // parts of the liquid that no surface ends
-    double incompatible_fraction = 0;     // largest share of the fluxes into one of them that had to be left out
-    std::vector<double> loads; // on the bodies, 6 numbers each [N], [N m]
+    std::int64_t unknowns = 0;        // over all ranks
+    int closed = 0;                   // parts of the liquid that no surface ends
+    double incompatible_fraction = 0; // largest share of the fluxes into one of them that had to be left out
+    std::vector<double> loads;        // on the bodies, 6 numbers each [N], [N m]
 };
 
 // The projection of velocities onto those without divergence (src/grid/theory.md). build() once a step, project() after every
@@ -46,7 +47,7 @@ public:
     // Collective. Velocities must be current one cell around the owned ones, and only those of owned faces are written.
     // Pushes the bodies, by the kind of coupling. Adds to pressures(). SimulationError when the solve fails.
     PressureReport project(const FaceField& velocity, rigid::RigidBodies& bodies, double dt,
-                           SurfaceTension surface = SurfaceTension::include);
+        SurfaceTension surface = SurfaceTension::include);
 
     // Parts of project(), for a solve together with the viscosity (stokes.hpp); spans are [rows()]. Collective, but for
     // those with that option. The faces that scene() describes; local.

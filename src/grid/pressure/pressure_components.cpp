@@ -16,7 +16,8 @@ double join_labels(double a, double b) {
 }
 } // namespace
 
-void PressureComponents::label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal) {
+void PressureComponents::label(
+    const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal) {
     const auto rows = static_cast<std::size_t>(matrix.rows);
     sets_.reset(rows);
     for (int i = 0; i < matrix.rows; ++i) {
@@ -75,8 +76,8 @@ void PressureComponents::number(const Comm& comm, std::int64_t first_row) {
     comm.sum(std::span(sizes_));
 }
 
-std::vector<char> PressureComponents::find_lifted(const Comm& comm, const PressureCoupling& coupling,
-                                                  const rigid::RigidBodies& bodies) const {
+std::vector<char> PressureComponents::find_lifted(
+    const Comm& comm, const PressureCoupling& coupling, const rigid::RigidBodies& bodies) const {
     std::vector<char> out(labels_.size(), 0);
     if (!bodies.any_dynamic()) return out;
     const std::size_t n = bodies.size();
@@ -113,8 +114,8 @@ std::vector<char> PressureComponents::find_lifted(const Comm& comm, const Pressu
     return out;
 }
 
-void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal,
-                                const PressureCoupling& coupling, const rigid::RigidBodies& bodies) {
+void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix,
+    std::span<const double> dirichlet_diagonal, const PressureCoupling& coupling, const rigid::RigidBodies& bodies) {
     unpinned_.clear();
     label(comm, matrix, dirichlet_diagonal);
     number(comm, matrix.first_row);
@@ -150,7 +151,8 @@ double PressureComponents::balance(const Comm& comm, std::span<double> b) const 
         if (sums[2 * p + 1] > 0) taken = std::max(taken, std::fabs(sums[2 * p]) / sums[2 * p + 1]);
     }
     for (std::size_t i = 0; i < b.size(); ++i) {
-        if (part_[i] >= 0) b[i] -= sums[2 * static_cast<std::size_t>(part_[i])] / sizes_[static_cast<std::size_t>(part_[i])];
+        if (part_[i] >= 0)
+            b[i] -= sums[2 * static_cast<std::size_t>(part_[i])] / sizes_[static_cast<std::size_t>(part_[i])];
     }
     return taken;
 }

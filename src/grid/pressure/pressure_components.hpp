@@ -16,7 +16,7 @@ public:
     // that cell's pressure is zero then, and that of the others is what it is without the weight. Where a dynamic body
     // moves under a constant pressure, there is nothing free: `unpinned()` has what to take off of the product again.
     void anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal,
-                const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
+        const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
     // Collective: takes the mean of each closed part off of b. Returns the largest share of |b| that was taken.
     double balance(const Comm& comm, std::span<double> b) const;
 
@@ -25,19 +25,24 @@ public:
         int row;      // of this rank
         double value; // [1], as the matrix
     };
-    const std::vector<Weight>& unpinned() const { return unpinned_; } // this rank's; those whose parts bodies can relieve
+    const std::vector<Weight>& unpinned() const {
+        return unpinned_;
+    } // this rank's; those whose parts bodies can relieve
     // [rows] number of the enclosed component that a row belongs to, or -1; empty without any.
-    std::span<const int> closed_rows() const { return closed() > 0 ? std::span<const int>(all_parts_) : std::span<const int>(); }
+    std::span<const int> closed_rows() const {
+        return closed() > 0 ? std::span<const int>(all_parts_) : std::span<const int>();
+    }
     int closed() const { return static_cast<int>(labels_.size()); } // parts, over all ranks
 
 private:
     void label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal);
     void number(const Comm& comm, std::int64_t first_row);
-    std::vector<char> find_lifted(const Comm& comm, const PressureCoupling& coupling,
-                                  const rigid::RigidBodies& bodies) const;
+    std::vector<char> find_lifted(
+        const Comm& comm, const PressureCoupling& coupling, const rigid::RigidBodies& bodies) const;
 
-    DisjointSets sets_;                // of rows: parts on this rank
-    std::vector<double> label_;        // [rows] of the least of each: least row of the part over all ranks; + 0.5: it ends at a surface
+    DisjointSets sets_; // of rows: parts on this rank
+    std::vector<double>
+        label_; // [rows] of the least of each: least row of the part over all ranks; + 0.5: it ends at a surface
     std::vector<std::int64_t> labels_; // of the enclosed components, rising, the same on all ranks
     std::vector<int> part_;            // [rows] number of the closed part that must balance, or -1
     std::vector<int> all_parts_;       // [rows] number of the closed part, or -1

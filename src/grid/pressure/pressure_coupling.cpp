@@ -14,7 +14,8 @@ struct CellBodies {
     Array<int> first[3], body[3];
     Array<double> share[3];
 
-    CellBodies(const PressureFaces& given, const FaceField& shares, const FaceShares& of) : faces(given), fluid(shares) {
+    CellBodies(const PressureFaces& given, const FaceField& shares, const FaceShares& of)
+        : faces(given), fluid(shares) {
         for (int a = 0; a < 3; ++a) {
             const auto& bodies = of[static_cast<std::size_t>(a)];
             first[a] = bodies.first;
@@ -62,18 +63,19 @@ struct CouplingLoop {
             body(e) = -1;
             for (int k = 0; k < 6; ++k) u(6 * e + k) = 0;
         }
-        bodies.each(static_cast<std::size_t>(cell_of(r)), [&](int b, double area, int a, std::size_t face, double sign) {
-            int e = begin;
-            while (body(e) != b && body(e) != -1) ++e;
-            body(e) = b;
-            int c[3];
-            double x[3], arm[3], load[6] = {0, 0, 0, 0, 0, 0};
-            bodies.faces.window.cell(static_cast<int>(face), c);
-            points.at(b, a, c, face, x);
-            motion.arm(b, x, arm);
-            add_load(a, arm, sign * area, load);
-            for (int k = 0; k < 6; ++k) u(6 * e + k) += load[k];
-        });
+        bodies.each(
+            static_cast<std::size_t>(cell_of(r)), [&](int b, double area, int a, std::size_t face, double sign) {
+                int e = begin;
+                while (body(e) != b && body(e) != -1) ++e;
+                body(e) = b;
+                int c[3];
+                double x[3], arm[3], load[6] = {0, 0, 0, 0, 0, 0};
+                bodies.faces.window.cell(static_cast<int>(face), c);
+                points.at(b, a, c, face, x);
+                motion.arm(b, x, arm);
+                add_load(a, arm, sign * area, load);
+                for (int k = 0; k < 6; ++k) u(6 * e + k) += load[k];
+            });
     }
 };
 } // namespace
@@ -90,19 +92,20 @@ int PressureCoupling::count(const PressureSystem& system, const FaceField& fluid
     reserve(offset_, static_cast<std::size_t>(system.rows()) + 1);
     const CellBodies bodies(system.faces(), fluid, shares);
     const auto offset = offset_, cell_of = system.cell_of();
-    Kokkos::parallel_for("treacle::count_couplings", system.rows(), KOKKOS_LAMBDA(int r) {
-        const auto cell = static_cast<std::size_t>(cell_of(r));
-        int here = 0;
-        bodies.each(cell, [&](int b, double, int a, std::size_t face, double sign) {
-            here += static_cast<int>(bodies.is_first(cell, b, a, face, sign));
+    Kokkos::parallel_for(
+        "treacle::count_couplings", system.rows(), KOKKOS_LAMBDA(int r) {
+            const auto cell = static_cast<std::size_t>(cell_of(r));
+            int here = 0;
+            bodies.each(cell, [&](int b, double, int a, std::size_t face, double sign) {
+                here += static_cast<int>(bodies.is_first(cell, b, a, face, sign));
+            });
+            offset(r) = here;
         });
-        offset(r) = here;
-    });
     return static_cast<int>(counts_to_offsets(offset_, system.rows()));
 }
 
 void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid,
-                             const FaceShares& shares, const BodyMotion& motion, const SlipAreas& slip) {
+    const FaceShares& shares, const BodyMotion& motion, const SlipAreas& slip) {
     bodies_ = static_cast<std::size_t>(motion.bodies);
     face_ = std::pow(grid.dx, grid.dimensions - 1);
     rows_ = system.rows();
@@ -112,7 +115,8 @@ void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, 
     reserve(body_, static_cast<std::size_t>(n));
     reserve(u_, 6 * static_cast<std::size_t>(n));
     Kokkos::parallel_for("treacle::couplings", system.rows(),
-                         CouplingLoop{CellBodies(system.faces(), fluid, shares), slip.points(grid), motion, system.cell_of(), offset_, body_, u_});
+        CouplingLoop{CellBodies(system.faces(), fluid, shares), slip.points(grid), motion, system.cell_of(), offset_,
+            body_, u_});
     const auto offset = on_host(offset_), body = on_host(body_);
     const auto u = on_host(u_);
     for (int r = 0; r < system.rows() && n > 0; ++r) {
@@ -128,19 +132,21 @@ void PressureCoupling::subtract_flux(const BodyMotion& motion, double scale, con
     if (entries_.empty()) return;
     const auto offset = offset_, body = body_;
     const auto u = u_;
-    Kokkos::parallel_for("treacle::body_flux", rows_, KOKKOS_LAMBDA(int r) {
-        double flux = 0;
-        for (int e = offset(r); e < offset(r + 1); ++e) {
-            for (int k = 0; k < 6; ++k) flux += u(6 * e + k) * motion.frame(BodyMotion::width * body(e) + 3 + k);
-        }
-        out(r) -= scale * flux;
-    });
+    Kokkos::parallel_for(
+        "treacle::body_flux", rows_, KOKKOS_LAMBDA(int r) {
+            double flux = 0;
+            for (int e = offset(r); e < offset(r + 1); ++e) {
+                for (int k = 0; k < 6; ++k) flux += u(6 * e + k) * motion.frame(BodyMotion::width * body(e) + 3 + k);
+            }
+            out(r) -= scale * flux;
+        });
 }
 
 std::vector<double> PressureCoupling::sums(const Comm& comm, std::span<const double> x) const {
     std::vector<double> out(6 * bodies_, 0.0);
     for (const auto& [row, body, u] : entries_) {
-        for (std::size_t k = 0; k < 6; ++k) out[6 * static_cast<std::size_t>(body) + k] += u[k] * x[static_cast<std::size_t>(row)];
+        for (std::size_t k = 0; k < 6; ++k)
+            out[6 * static_cast<std::size_t>(body) + k] += u[k] * x[static_cast<std::size_t>(row)];
     }
     comm.sum(std::span(out));
     return out;
@@ -153,7 +159,7 @@ std::vector<double> PressureCoupling::loads(const Comm& comm, std::span<const do
 }
 
 void PressureCoupling::add_response(const Comm& comm, const rigid::ConstrainedInverseMass& mobility, double mass,
-                                    std::span<const double> x, std::span<double> y) const {
+    std::span<const double> x, std::span<double> y) const {
     add_flux(mobility.respond(sums(comm, x)), mass, y);
 }
 

@@ -46,7 +46,7 @@ class PressureCoupling {
 public:
     // The rows J of this rank's cells, for the places of the bodies. `fluid`: shares of the cubes around faces.
     void build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid, const FaceShares& shares,
-               const BodyMotion& motion, const SlipAreas& slip = {});
+        const BodyMotion& motion, const SlipAreas& slip = {});
 
     // out -= scale J V, on this rank's rows; of all bodies that move.
     void subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const;
@@ -54,8 +54,8 @@ public:
     std::vector<double> loads(const Comm& comm, std::span<const double> x) const;
     // y += mass J M^-1 J^T x with the mass of a full cell [kg], of a 2D scene [kg/m], collective. What the strong
     // coupling adds to products: symmetric and positive semidefinite, of rank six a body, never assembled.
-    void add_response(const Comm& comm, const rigid::ConstrainedInverseMass& mobility, double mass, std::span<const double> x,
-                      std::span<double> y) const;
+    void add_response(const Comm& comm, const rigid::ConstrainedInverseMass& mobility, double mass,
+        std::span<const double> x, std::span<double> y) const;
 
     // y += factor J V on this rank's rows, V 6 numbers a body.
     void add_flux(std::span<const double> velocities, double factor, std::span<double> y) const;

@@ -14,8 +14,8 @@ struct PressureOptions {
     Preconditioner preconditioner = Preconditioner::multilevel; // of the conjugate gradients
     double residual = 1e-8;                                     // relative
     int max_iterations = 1000;                                  // of one solve; beyond: SimulationError
-    double min_theta = 1e-4; // of a cell's centre from the surface, in widths (ghost fluid)
-    double min_face_area_fraction = 0.01;  // share of a face's area below which it is closed
+    double min_theta = 1e-4;              // of a cell's centre from the surface, in widths (ghost fluid)
+    double min_face_area_fraction = 0.01; // share of a face's area below which it is closed
     Ceilings ceilings = Ceilings::separate;
 
     void declare(Declaration& d); // keys of `pressure`

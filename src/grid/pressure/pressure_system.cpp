@@ -53,9 +53,8 @@ struct NumberLoop {
         const auto cell = static_cast<std::size_t>(faces.window.index(c[0], c[1], c[2]));
         bool unknown = false;
         if (faces.is_liquid(cell)) {
-            each_face(faces, cell, [&](int a, std::size_t face, std::size_t, double) {
-                unknown = unknown || faces.open(a, face) > 0;
-            });
+            each_face(faces, cell,
+                [&](int a, std::size_t face, std::size_t, double) { unknown = unknown || faces.open(a, face) > 0; });
         }
         if (last && write) {
             row_of(cell) = unknown ? first + sum : -1;
@@ -239,8 +238,7 @@ void PressureSystem::count_entries() {
     reserve(own_.offset, n + 1);
     reserve(other_.offset, n + 1);
     Kokkos::parallel_for("treacle::count_pressure_entries", rows_,
-                         CountLoop{faces_, row_of_, cell_of_, own_.offset, other_.offset,
-                                   static_cast<int>(first_row_), rows_});
+        CountLoop{faces_, row_of_, cell_of_, own_.offset, other_.offset, static_cast<int>(first_row_), rows_});
     for (auto* block : {&own_, &other_}) {
         const auto entries = static_cast<std::size_t>(counts_to_offsets(block->offset, rows_));
         reserve(block->column, entries);
@@ -251,8 +249,8 @@ void PressureSystem::count_entries() {
 void PressureSystem::fill() {
     reserve(dirichlet_diagonal_, static_cast<std::size_t>(rows_));
     Kokkos::parallel_for("treacle::fill_pressure_matrix", rows_,
-                         FillLoop{faces_, row_of_, cell_of_, place_, own_, other_, dirichlet_diagonal_,
-                                  static_cast<int>(first_row_), rows_});
+        FillLoop{
+            faces_, row_of_, cell_of_, place_, own_, other_, dirichlet_diagonal_, static_cast<int>(first_row_), rows_});
 }
 
 void PressureSystem::assemble(const Comm& comm, CellHalo& halo, const PressureFaces& faces) {
@@ -266,8 +264,7 @@ void PressureSystem::assemble(const Comm& comm, CellHalo& halo, const PressureFa
 
 PressureSystem::Host PressureSystem::to_host() const {
     return {{on_host(own_.offset), on_host(own_.column), on_host(own_.value)},
-            {on_host(other_.offset), on_host(other_.column), on_host(other_.value)},
-            on_host(dirichlet_diagonal_)};
+        {on_host(other_.offset), on_host(other_.column), on_host(other_.value)}, on_host(dirichlet_diagonal_)};
 }
 
 solve::CsrBlocks PressureSystem::blocks(const Host& host) {
@@ -288,8 +285,8 @@ std::vector<int> PressureSystem::aggregates() const {
 void PressureSystem::to_cells(const Array<double>& solution, const Array<double>& cells) const {
     const auto cell_of = cell_of_;
     Kokkos::deep_copy(cells, 0.0);
-    Kokkos::parallel_for("treacle::pressure_to_cells", rows_,
-                         KOKKOS_LAMBDA(int r) { cells(cell_of(r)) = solution(r); });
+    Kokkos::parallel_for(
+        "treacle::pressure_to_cells", rows_, KOKKOS_LAMBDA(int r) { cells(cell_of(r)) = solution(r); });
 }
 
 std::size_t PressureSystem::bytes() const {
@@ -302,15 +299,15 @@ std::size_t PressureSystem::bytes() const {
 }
 
 void divergence(const PressureFaces& faces, const PressureSystem& system, const FaceField& velocity, double scale,
-                const Array<double>& out) {
-    Kokkos::parallel_for("treacle::divergence", system.rows(),
-                         DivergenceLoop{faces, system.cell_of(), velocity, scale, out});
+    const Array<double>& out) {
+    Kokkos::parallel_for(
+        "treacle::divergence", system.rows(), DivergenceLoop{faces, system.cell_of(), velocity, scale, out});
 }
 
 void subtract_gradient(const PressureFaces& faces, const CellBox& owned, const Array<double>& pressure, double scale,
-                       const FaceField& velocity) {
+    const FaceField& velocity) {
     Kokkos::parallel_for("treacle::pressure_gradient", static_cast<int>(owned.size()),
-                         GradientLoop{faces, owned, pressure, scale, velocity});
+        GradientLoop{faces, owned, pressure, scale, velocity});
 }
 
 } // namespace treacle::grid

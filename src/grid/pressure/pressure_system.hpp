@@ -75,12 +75,12 @@ private:
 // The right-hand side [Pa] for face velocities of before a step in which a pressure difference p changes them by
 // p / scale, scale = rho dx / dt. The jump at the surface is that of `faces`.
 void divergence(const PressureFaces& faces, const PressureSystem& system, const FaceField& velocity, double scale,
-                const Array<double>& out);
+    const Array<double>& out);
 
 // Change by a pressure at the faces of the owned cells: u -= (p_c - p_below) / scale, with the surface's pressure and
 // distance beside air. `pressure` must be current one cell around. Faces without liquid beside them and closed ones
 // keep their velocity.
 void subtract_gradient(const PressureFaces& faces, const CellBox& owned, const Array<double>& pressure, double scale,
-                       const FaceField& velocity);
+    const FaceField& velocity);
 
 } // namespace treacle::grid

@@ -5,7 +5,8 @@
 
 namespace treacle::grid {
 
-RestingSolids::RestingSolids(const MacGrid& grid, const scene::Domain& domain, std::size_t bodies) : count_(6 + bodies) {
+RestingSolids::RestingSolids(const MacGrid& grid, const scene::Domain& domain, std::size_t bodies)
+    : count_(6 + bodies) {
     motion_.bodies = static_cast<int>(count_);
     reserve(motion_.frame, BodyMotion::width * count_);
     reserve(counts_, count_);
@@ -39,10 +40,11 @@ void RestingSolids::about_origin(std::vector<double>& loads) const {
 void RestingSolids::renumber(const Array<int>& number, std::size_t n, Array<int>& out) const {
     reserve(out, n);
     const auto to = out, counts = counts_;
-    Kokkos::parallel_for("treacle::resting_numbers", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
-        const int place = number(i) == Solids::nothing ? -1 : Solids::place(number(i));
-        to(i) = place >= 0 && counts(place) != 0 ? place : -1;
-    });
+    Kokkos::parallel_for(
+        "treacle::resting_numbers", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
+            const int place = number(i) == Solids::nothing ? -1 : Solids::place(number(i));
+            to(i) = place >= 0 && counts(place) != 0 ? place : -1;
+        });
 }
 
 void RestingSolids::find(const Solids& solids, const FractionBuilder& builder, const rigid::RigidBodies& bodies) {
@@ -59,16 +61,19 @@ void RestingSolids::find(const Solids& solids, const FractionBuilder& builder, c
     builder.build_body_shares(nodes, solids.distance(), number_, counts_, shares_.data());
 }
 
-void RestingSolids::add_velocities(int axis, const CellBox& window, const Array<double>& factor, const Array<double>& out) const {
+void RestingSolids::add_velocities(
+    int axis, const CellBox& window, const Array<double>& factor, const Array<double>& out) const {
     const auto& of = shares_[static_cast<std::size_t>(axis)];
     const auto first = of.first, which = of.body;
     const auto share = of.share, frame = motion_.frame;
     const bool scaled = factor.extent(0) > 0;
-    Kokkos::parallel_for("treacle::add_side_velocities", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
-        double sum = 0;
-        for (int k = first(i); k < first(i + 1); ++k) sum += share(k) * frame(BodyMotion::width * which(k) + 3 + axis);
-        if (sum != 0) out(i) += (scaled ? factor(i) : 1.0) * sum;
-    });
+    Kokkos::parallel_for(
+        "treacle::add_side_velocities", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+            double sum = 0;
+            for (int k = first(i); k < first(i + 1); ++k)
+                sum += share(k) * frame(BodyMotion::width * which(k) + 3 + axis);
+            if (sum != 0) out(i) += (scaled ? factor(i) : 1.0) * sum;
+        });
 }
 
 std::size_t RestingSolids::bytes() const {

@@ -22,7 +22,7 @@ public:
     const BodyMotion& motion() const { return motion_; }
     // Loads about that point become those about the origin.
     void about_origin(std::vector<double>& loads) const;
-    bool any_moves() const { return any_moves_; } // along itself
+    bool any_moves() const { return any_moves_; }   // along itself
     double max_speed() const { return max_speed_; } // [m/s]
     std::size_t bytes() const;
 
@@ -38,9 +38,9 @@ private:
     Vec3 centre_{0, 0, 0};
     bool any_moves_ = false;
     double max_speed_ = 0;
-    Array<int> counts_{"treacle::resting", 0};       // [count] 1 of those that rest
+    Array<int> counts_{"treacle::resting", 0};        // [count] 1 of those that rest
     Array<int> number_{"treacle::resting_number", 0}; // [fine nodes]
-    CellBox found_; // window of the shares
+    CellBox found_;                                   // window of the shares
     bool any_found_ = false;
 };
 

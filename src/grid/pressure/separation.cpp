@@ -38,8 +38,8 @@ bool Separation::find(const Comm& comm, const Scene& scene) {
     const int rows = scene.system.rows();
     reserve(separated_, static_cast<std::size_t>(scene.halo.window().size()));
     if (!any_) Kokkos::deep_copy(separated_, 0);
-    SeparationLoop loop{scene.system.faces(), scene.system.cell_of(), {}, separated_, scene.pressure, scene.distance, {}, depth * scene.dx,
-                        !scene.closed.empty()};
+    SeparationLoop loop{scene.system.faces(), scene.system.cell_of(), {}, separated_, scene.pressure, scene.distance,
+        {}, depth * scene.dx, !scene.closed.empty()};
     for (std::size_t a = 0; a < 3; ++a) loop.up[a] = -scene.gravity[a] / scene::length(scene.gravity);
     if (loop.some_closed) {
         reserve(closed_, scene.closed.size());

@@ -21,11 +21,13 @@ public:
         CellHalo& halo;
         const PressureSystem& system;
         const Array<double>& pressure; // [window] of owned cells [Pa]
-        const Array<double>& distance; // [window] of centres from the surface [m]; that of separated cells becomes positive
-        std::span<const int> closed;   // [rows] -1: of a part of the liquid with a surface, others separate from nothing; none: no
-                                       // part is closed
-        Vec3 gravity{0, 0, 0};         // [m/s2]
-        double dx = 0;                 // [m]
+        const Array<double>&
+            distance; // [window] of centres from the surface [m]; that of separated cells becomes positive
+        std::span<const int>
+            closed; // [rows] -1: of a part of the liquid with a surface, others separate from nothing; none: no
+                    // part is closed
+        Vec3 gravity{0, 0, 0}; // [m/s2]
+        double dx = 0;         // [m]
     };
     // Collective. Returns whether any cell separates that had not.
     bool find(const Comm& comm, const Scene& scene);

@@ -61,13 +61,14 @@ void WallPressures::mark(const Scene& scene) {
     }
     const auto known = known_, copy = copy_, pressures = scene.pressures;
     const auto row = scene.system.row_of();
-    Kokkos::parallel_for("treacle::mark_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        owned.cell(i, c);
-        const int at = window.index(c[0], c[1], c[2]);
-        known(at) = row(at) >= 0 ? 1 : 0;
-        copy(at) = pressures(at);
-    });
+    Kokkos::parallel_for(
+        "treacle::mark_pressures", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            owned.cell(i, c);
+            const int at = window.index(c[0], c[1], c[2]);
+            known(at) = row(at) >= 0 ? 1 : 0;
+            copy(at) = pressures(at);
+        });
     scene.halo.gather({copy_, known_});
 }
 
@@ -77,7 +78,7 @@ void WallPressures::find(const Scene& scene) {
     const auto all = Kokkos::make_pair(std::size_t(0), static_cast<std::size_t>(window.size()));
     Kokkos::deep_copy(Kokkos::subview(shown_, all), Kokkos::subview(copy_, all));
     ContinueLoop loop{window, owned, {1, 1, 1}, scene.grid.dimensions, scene.grid.dx,
-                      {scene.gravity[0], scene.gravity[1], scene.gravity[2]}, known_, copy_, shown_, scene.solids.distance()};
+        {scene.gravity[0], scene.gravity[1], scene.gravity[2]}, known_, copy_, shown_, scene.solids.distance()};
     for (int k = 1; k < 3; ++k) loop.stride[k] = loop.stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
     Kokkos::parallel_for("treacle::continue_pressures", static_cast<int>(owned.size()), loop);
     scene.halo.gather({shown_});

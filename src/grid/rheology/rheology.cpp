@@ -69,7 +69,10 @@ struct Strains {
     KOKKOS_INLINE_FUNCTION void strain(std::ptrdiff_t i) const {
         for (int a = 0; a < dimensions; ++a) {
             const bool strains = weight(cell_liquid_clipped, cell_fluid, i) > 0;
-            normal[a](i) = strains ? ((v.axis[a](i + stride[a]) - v.axis[a](i)) / dx + carried_rate(step_normal[a], i)) / cell_fluid(i) : 0.0;
+            normal[a](i) =
+                strains
+                    ? ((v.axis[a](i + stride[a]) - v.axis[a](i)) / dx + carried_rate(step_normal[a], i)) / cell_fluid(i)
+                    : 0.0;
         }
         for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
             const int a = (e + 1) % 3, b = (e + 2) % 3;
@@ -80,8 +83,8 @@ struct Strains {
         }
     }
     // The mean of a strain at i and, from there, s, t and s + t.
-    KOKKOS_INLINE_FUNCTION double mean(const Array<double>& strains, const Array<double>& wet, const Array<double>& fluid,
-                                       std::ptrdiff_t i, std::ptrdiff_t s, std::ptrdiff_t t) const {
+    KOKKOS_INLINE_FUNCTION double mean(const Array<double>& strains, const Array<double>& wet,
+        const Array<double>& fluid, std::ptrdiff_t i, std::ptrdiff_t s, std::ptrdiff_t t) const {
         double sum = 0, weights = 0;
         for (int corner = 0; corner < 4; ++corner) {
             const auto j = i + (corner & 1 ? s : 0) + (corner & 2 ? t : 0);
@@ -96,7 +99,8 @@ struct Strains {
         double square = 0;
         for (int a = 0; a < dimensions; ++a) square += 2 * normal[a](i) * normal[a](i);
         for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
-            const double g = mean(shear.axis[e], edge_liquid_clipped.axis[e], edge_fluid.axis[e], i, stride[(e + 1) % 3], stride[(e + 2) % 3]);
+            const double g = mean(shear.axis[e], edge_liquid_clipped.axis[e], edge_fluid.axis[e], i,
+                stride[(e + 1) % 3], stride[(e + 2) % 3]);
             square += g * g;
         }
         return math::sqrt(square);
@@ -111,7 +115,8 @@ struct Strains {
         }
         for (int f = 0; f < 3 && dimensions == 3; ++f) {
             if (f == e) continue;
-            const double g = mean(shear.axis[f], edge_liquid_clipped.axis[f], edge_fluid.axis[f], i, -stride[f], stride[e]);
+            const double g =
+                mean(shear.axis[f], edge_liquid_clipped.axis[f], edge_fluid.axis[f], i, -stride[f], stride[e]);
             square += g * g;
         }
         return math::sqrt(square);
@@ -123,51 +128,56 @@ void find_mean_velocities(const StrainContext& scene, const FaceField& velocity,
     for (int a = 0; a < scene.grid.dimensions; ++a) {
         reserve(out.axis[a], static_cast<std::size_t>(window.size()));
         Kokkos::parallel_for("treacle::mean_velocities", static_cast<int>(box.size()),
-                             MeanVelocityLoop{velocity.axis[a], scene.grip.face_fluid.axis[a], out.axis[a],
-                                              scene.shares[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a, scene.carried});
+            MeanVelocityLoop{velocity.axis[a], scene.grip.face_fluid.axis[a], out.axis[a],
+                scene.shares[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a, scene.carried});
         if (scene.resting) scene.resting->add_velocities(a, window, {}, out.axis[a]);
     }
 }
 
 void find_strains(const Strains& strains, const CellBox& box) {
-    Kokkos::parallel_for("treacle::strains", static_cast<int>(box.size()), KOKKOS_LAMBDA(int n) {
-        int c[3];
-        box.cell(n, c);
-        strains.strain(strains.window.index(c[0], c[1], c[2]));
-    });
+    Kokkos::parallel_for(
+        "treacle::strains", static_cast<int>(box.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            box.cell(n, c);
+            strains.strain(strains.window.index(c[0], c[1], c[2]));
+        });
 }
 
-void combine_strains(const Strains& strains, const CellBox& owned, const Array<double>& centres, const EdgeField& edges) {
-    Kokkos::parallel_for("treacle::shear_rates", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
-        int c[3];
-        owned.cell(n, c);
-        const int i = strains.window.index(c[0], c[1], c[2]);
-        centres(i) = strains.rate_at_centre(i);
-        for (int e = strains.dimensions == 2 ? 2 : 0; e < 3; ++e) edges.axis[e](i) = strains.rate_at_edge(e, i);
-    });
+void combine_strains(
+    const Strains& strains, const CellBox& owned, const Array<double>& centres, const EdgeField& edges) {
+    Kokkos::parallel_for(
+        "treacle::shear_rates", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            owned.cell(n, c);
+            const int i = strains.window.index(c[0], c[1], c[2]);
+            centres(i) = strains.rate_at_centre(i);
+            for (int e = strains.dimensions == 2 ? 2 : 0; e < 3; ++e) edges.axis[e](i) = strains.rate_at_edge(e, i);
+        });
 }
 
 // sum += mass / viscosity, total += mass.
 void add_by_rate(const flow::ViscosityModel& curve, int n, const Array<double>& mass, const Array<double>& rate,
-                 const Array<double>& sum, const Array<double>& total) {
-    Kokkos::parallel_for("treacle::viscosity_by_rate", n, KOKKOS_LAMBDA(int i) {
-        if (!(mass(i) > 0)) return;
-        sum(i) += mass(i) * fluidity_of(curve(rate(i)));
-        total(i) += mass(i);
-    });
+    const Array<double>& sum, const Array<double>& total) {
+    Kokkos::parallel_for(
+        "treacle::viscosity_by_rate", n, KOKKOS_LAMBDA(int i) {
+            if (!(mass(i) > 0)) return;
+            sum(i) += mass(i) * fluidity_of(curve(rate(i)));
+            total(i) += mass(i);
+        });
 }
 
-void add(int n, const Array<double>& mass, const Array<double>& sums, const Array<double>& sum, const Array<double>& total) {
-    Kokkos::parallel_for("treacle::add_fluidity", n, KOKKOS_LAMBDA(int i) {
-        sum(i) += sums(i);
-        total(i) += mass(i);
-    });
+void add(
+    int n, const Array<double>& mass, const Array<double>& sums, const Array<double>& sum, const Array<double>& total) {
+    Kokkos::parallel_for(
+        "treacle::add_fluidity", n, KOKKOS_LAMBDA(int i) {
+            sum(i) += sums(i);
+            total(i) += mass(i);
+        });
 }
 
 void invert(int n, const Array<double>& sums, const Array<double>& mass) {
-    Kokkos::parallel_for("treacle::invert_fluidity", n, KOKKOS_LAMBDA(int i) {
-        sums(i) = harmonic_viscosity(mass(i), sums(i));
-    });
+    Kokkos::parallel_for(
+        "treacle::invert_fluidity", n, KOKKOS_LAMBDA(int i) { sums(i) = harmonic_viscosity(mass(i), sums(i)); });
 }
 
 // Copies `all`, per liquid, where `use`; zero elsewhere.
@@ -179,22 +189,25 @@ void select(const Array<double>& all, const Array<double>& some, const Use& use)
     Kokkos::deep_copy(some, host);
 }
 
-void show(const flow::ViscosityModel& curve, int liquid, const CellGrid& grid, const CellBox& window, const Array<double>& rate,
-          const GridParticles& particles) {
+void show(const flow::ViscosityModel& curve, int liquid, const CellGrid& grid, const CellBox& window,
+    const Array<double>& rate, const GridParticles& particles) {
     const auto x = particles.position();
     const auto which = particles.liquid();
     const auto viscosity = particles.viscosity();
-    Kokkos::parallel_for("treacle::show_viscosity", particles.store.owned(), KOKKOS_LAMBDA(int k) {
-        if (which(k) != liquid) return;
-        int c[3];
-        grid.locate(x(k, 0), x(k, 1), x(k, 2), c);
-        viscosity(k) = curve(rate(window.index(c[0], c[1], c[2])));
-    });
+    Kokkos::parallel_for(
+        "treacle::show_viscosity", particles.store.owned(), KOKKOS_LAMBDA(int k) {
+            if (which(k) != liquid) return;
+            int c[3];
+            grid.locate(x(k, 0), x(k, 1), x(k, 2), c);
+            viscosity(k) = curve(rate(window.index(c[0], c[1], c[2])));
+        });
 }
 } // namespace
 
 Rheology::Rheology(std::vector<flow::ViscosityModel> curves) : curves_(std::move(curves)) {
-    const auto newtonian = [](const flow::ViscosityModel& curve) { return curve.law == scene::ViscosityModelKind::newtonian; };
+    const auto newtonian = [](const flow::ViscosityModel& curve) {
+        return curve.law == scene::ViscosityModelKind::newtonian;
+    };
     any_ = !std::ranges::all_of(curves_, newtonian);
     any_newtonian_ = std::ranges::any_of(curves_, newtonian);
     some_mass_ = Array<double>("treacle::particle_mass_of_one", curves_.size());
@@ -236,7 +249,8 @@ void Rheology::compute_rates(const StrainContext& scene, const FaceField& veloci
 }
 
 // Mean over the places of one kind, numbered as in apic.hpp.
-void Rheology::mean(const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out) {
+void Rheology::mean(
+    const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out) {
     const CellBox window = scene.halo.window();
     const auto places = static_cast<std::size_t>(window.size());
     const int n = static_cast<int>(window.size());
@@ -283,7 +297,8 @@ void Rheology::to_particles(const StrainContext& scene, const GridParticles& par
 std::size_t Rheology::bytes() const {
     std::size_t numbers = cell_rate_.span() + mass_.span() + sums_.span() + total_.span();
     for (int a = 0; a < 3; ++a) {
-        numbers += mean_velocity_.axis[a].span() + normal_[a].span() + shear_.axis[a].span() + edge_rate_.axis[a].span();
+        numbers +=
+            mean_velocity_.axis[a].span() + normal_[a].span() + shear_.axis[a].span() + edge_rate_.axis[a].span();
     }
     return sizeof(double) * numbers;
 }

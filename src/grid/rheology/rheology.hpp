@@ -26,7 +26,7 @@ struct StrainContext {
     // Velocities that have been carried along straight lines since the middle of the last step strain by -carried (S) of what does
     // not strain; solids likewise.
     const StepStrains* strains = nullptr;
-    double carried = 0; // length of the last step over that of this one
+    double carried = 0;                     // length of the last step over that of this one
     const RestingSolids* resting = nullptr; // those that grip, where sides of the domain move
 };
 
@@ -48,12 +48,13 @@ public:
     // For frames: viscosities of the owned particles whose liquid has a curve, at the rate of their cell.
     void to_particles(const StrainContext& scene, const GridParticles& particles) const;
 
-    const Array<double>& rate() const { return cell_rate_; }          // [window] of centres [1/s]
-    const EdgeField& edge_rate() const { return edge_rate_; }         // [1/s]
-    std::size_t bytes() const;                                        // of this rank [bytes]
+    const Array<double>& rate() const { return cell_rate_; }  // [window] of centres [1/s]
+    const EdgeField& edge_rate() const { return edge_rate_; } // [1/s]
+    std::size_t bytes() const;                                // of this rank [bytes]
 
     // Part of find_viscosities(); not private, since nvcc takes no kernel in a private function.
-    void mean(const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out);
+    void mean(const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate,
+        Array<double>& out);
 
 private:
     std::vector<flow::ViscosityModel> curves_;
@@ -63,7 +64,8 @@ private:
     EdgeField shear_;         // 2 D_ab at edges [1/s]
     Array<double> cell_rate_{"treacle::shear_rate", 0};
     EdgeField edge_rate_;
-    Array<double> mass_{"treacle::rheology_mass", 0}, sums_{"treacle::rheology_sums", 0}, total_{"treacle::rheology_total", 0};
+    Array<double> mass_{"treacle::rheology_mass", 0}, sums_{"treacle::rheology_sums", 0},
+        total_{"treacle::rheology_total", 0};
     Array<double> some_mass_{"treacle::particle_mass_of_one", 0}; // [liquids] all but one are zero
 };
 

@@ -9,11 +9,13 @@
 namespace treacle::grid {
 
 namespace {
-constexpr int passes = 3; // of (1 2 1)/4 along each axis, before the first curvature and again before the second; src/grid/theory.md
+constexpr int passes =
+    3; // of (1 2 1)/4 along each axis, before the first curvature and again before the second; src/grid/theory.md
 // [dx2] Variances along an axis: of a pass, and what the spread of particles and differences over a cell take besides, such
 // that drops of four and eight cells of radius oscillate about as much too slowly as too fast.
 constexpr double pass_variance = 0.5, other_variance = 0.75;
-constexpr double first_variance = other_variance + passes * pass_variance, second_variance = first_variance + passes * pass_variance;
+constexpr double first_variance = other_variance + passes * pass_variance,
+                 second_variance = first_variance + passes * pass_variance;
 constexpr double farthest = 1.5; // [dx] from the surface, as far as its curvature goes on
 
 // One pass of (edge, 1 - 2 edge, edge) along each axis.
@@ -27,7 +29,8 @@ struct SmoothLoop {
         int c[3];
         cells.cell(i, c);
         const int at = faces.window.index(c[0], c[1], c[2]);
-        const int sx = static_cast<int>(faces.stride[0]), sy = static_cast<int>(faces.stride[1]), sz = static_cast<int>(faces.stride[2]);
+        const int sx = static_cast<int>(faces.stride[0]), sy = static_cast<int>(faces.stride[1]),
+                  sz = static_cast<int>(faces.stride[2]);
         const int up = faces.dimensions == 3 ? 1 : 0;
         const double middle = 1 - 2 * edge;
         double sum = 0;
@@ -43,11 +46,13 @@ struct SmoothLoop {
 };
 
 // Collective; the halo of `values` must be current, and is afterwards.
-void smooth(CellHalo& halo, const PressureFaces& faces, int times, double edge, Array<double>& values, Array<double>& scratch) {
+void smooth(
+    CellHalo& halo, const PressureFaces& faces, int times, double edge, Array<double>& values, Array<double>& scratch) {
     const CellBox cells = halo.owned();
     Kokkos::deep_copy(scratch, 0.0);
     for (int pass = 0; pass < times; ++pass) {
-        Kokkos::parallel_for("treacle::smooth_share", static_cast<int>(cells.size()), SmoothLoop{faces, cells, edge, values, scratch});
+        Kokkos::parallel_for(
+            "treacle::smooth_share", static_cast<int>(cells.size()), SmoothLoop{faces, cells, edge, values, scratch});
         halo.gather({scratch});
         std::swap(values, scratch);
     }
@@ -92,7 +97,8 @@ struct SurfaceLoop {
     PressureFaces faces;
     CellBox cells;
     double dx;
-    double once_share, twice_share; // of the smoothed shares in the one whose surface lies where that of the liquid does
+    double once_share,
+        twice_share; // of the smoothed shares in the one whose surface lies where that of the liquid does
     Array<double> once, twice, curvature, of_twice;
 
     KOKKOS_INLINE_FUNCTION double share(int at) const { return once_share * once(at) + twice_share * twice(at); }
@@ -111,23 +117,26 @@ struct SurfaceLoop {
         cells.cell(i, c);
         const int at = faces.window.index(c[0], c[1], c[2]);
         const double most = (faces.dimensions - 1) / dx; // that of a drop of one cell
-        const double without = (second_variance * curvature(at) - first_variance * of_twice(at)) / (second_variance - first_variance);
+        const double without =
+            (second_variance * curvature(at) - first_variance * of_twice(at)) / (second_variance - first_variance);
         const double value = math::max(-most, math::min(without, most));
         curvature(at) = value + value * value / (faces.dimensions - 1) * dx * distance(at);
     }
 };
 
 // Liquid that is continued into solids, in cells, as the linear weights of particles would spread it.
-void liquid_in_solids(CellHalo& halo, const PressureFaces& faces, const Fractions& fractions, Array<double>& out, Array<double>& scratch) {
+void liquid_in_solids(CellHalo& halo, const PressureFaces& faces, const Fractions& fractions, Array<double>& out,
+    Array<double>& scratch) {
     const CellBox owned = halo.owned();
     const auto more = out, liquid = fractions.cell_liquid, wet = fractions.cell_liquid_clipped;
     Kokkos::deep_copy(more, 0.0);
-    Kokkos::parallel_for("treacle::liquid_in_solids", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
-        int c[3];
-        owned.cell(i, c);
-        const int at = faces.window.index(c[0], c[1], c[2]);
-        more(at) = liquid(at) - wet(at);
-    });
+    Kokkos::parallel_for(
+        "treacle::liquid_in_solids", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {
+            int c[3];
+            owned.cell(i, c);
+            const int at = faces.window.index(c[0], c[1], c[2]);
+            more(at) = liquid(at) - wet(at);
+        });
     halo.gather({out});
     smooth(halo, faces, 1, 0.125, out, scratch);
 }
@@ -144,14 +153,15 @@ void Curvature::find(const MacGrid& grid, CellHalo& halo, Array<double>& share) 
     halo.gather({share});
     smooth(halo, faces, passes, 0.25, share, scratch_);
     const auto once = share, copy = twice_;
-    Kokkos::parallel_for("treacle::copy_share", places, KOKKOS_LAMBDA(int i) { copy(i) = once(i); });
+    Kokkos::parallel_for(
+        "treacle::copy_share", places, KOKKOS_LAMBDA(int i) { copy(i) = once(i); });
     smooth(halo, faces, passes, 0.25, twice_, scratch_);
     Kokkos::parallel_for("treacle::curvature", cells, CurvatureLoop{faces, owned, grid.dx, share, curvature_});
     Kokkos::parallel_for("treacle::curvature", cells, CurvatureLoop{faces, owned, grid.dx, twice_, curvature_twice_});
     // A surface moves by half its curvature times the variance, and slopes fall as the deviation rises.
     const double twice_share = -1 / (std::sqrt(second_variance / first_variance) - 1);
     Kokkos::parallel_for("treacle::surface_curvature", cells,
-                         SurfaceLoop{faces, owned, grid.dx, 1 - twice_share, twice_share, share, twice_, curvature_, curvature_twice_});
+        SurfaceLoop{faces, owned, grid.dx, 1 - twice_share, twice_share, share, twice_, curvature_, curvature_twice_});
     halo.gather({curvature_});
 }
 
@@ -161,10 +171,12 @@ void Curvature::find(const Scene& scene) {
     const int places = static_cast<int>(halo.window().size());
     for (auto* array : {&share_, &twice_, &scratch_}) reserve(*array, static_cast<std::size_t>(places));
     liquid_in_solids(halo, faces, scene.fractions, twice_, scratch_);
-    fluidity_sums(scene.grid, {scene.particles, scene.cells, scene.particle_mass}, halo.window(), 0, {share_, scratch_});
+    fluidity_sums(
+        scene.grid, {scene.particles, scene.cells, scene.particle_mass}, halo.window(), 0, {share_, scratch_});
     const auto share = share_, more = twice_;
     const double mass = scene.density * std::pow(scene.grid.dx, 3);
-    Kokkos::parallel_for("treacle::liquid_share", places, KOKKOS_LAMBDA(int i) { share(i) = share(i) / mass + more(i); });
+    Kokkos::parallel_for(
+        "treacle::liquid_share", places, KOKKOS_LAMBDA(int i) { share(i) = share(i) / mass + more(i); });
     find(scene.grid, halo, share_);
 }
 

@@ -32,8 +32,9 @@ public:
     }
 
 private:
-    Array<double> share_{"treacle::liquid_share", 0}, twice_{"treacle::smoother_share", 0}, scratch_{"treacle::smooth_scratch", 0},
-        curvature_{"treacle::curvature", 0}, curvature_twice_{"treacle::curvature_of_smoother", 0};
+    Array<double> share_{"treacle::liquid_share", 0}, twice_{"treacle::smoother_share", 0},
+        scratch_{"treacle::smooth_scratch", 0}, curvature_{"treacle::curvature", 0},
+        curvature_twice_{"treacle::curvature_of_smoother", 0};
 };
 
 } // namespace treacle::grid

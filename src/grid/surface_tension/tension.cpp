@@ -36,7 +36,7 @@ SurfaceTensions::SurfaceTensions(std::vector<double> of_liquids) : of_liquids_(s
 }
 
 void SurfaceTensions::find(const MacGrid& grid, CellHalo& halo, const GridParticles& particles, const CellList& cells,
-                           const Array<double>& particle_mass) {
+    const Array<double>& particle_mass) {
     reserve(weighted_mass_, of_liquids_.size());
     auto host = Kokkos::create_mirror_view(weighted_mass_);
     const auto mass = on_host(particle_mass);
@@ -48,7 +48,7 @@ void SurfaceTensions::find(const MacGrid& grid, CellHalo& halo, const GridPartic
     reserve(tension_, static_cast<std::size_t>(halo.window().size()));
     const CellBox owned = halo.owned();
     Kokkos::parallel_for("treacle::surface_tensions", static_cast<int>(owned.size()),
-                         TensionLoop{halo.window(), owned, grid.dimensions, mass_, share_, tension_, largest_});
+        TensionLoop{halo.window(), owned, grid.dimensions, mass_, share_, tension_, largest_});
     halo.gather({tension_});
 }
 

@@ -19,7 +19,7 @@ public:
     // Collective, where they differ. At the centre of each cell the mean over the particles around, by mass, and where there
     // are none over those around the cells beside. The ghosts' liquid must have been gathered.
     void find(const MacGrid& grid, CellHalo& halo, const GridParticles& particles, const CellList& cells,
-              const Array<double>& particle_mass);
+        const Array<double>& particle_mass);
     const Array<double>& at_centres() const { return tension_; } // [window] [N/m]
 
     // Memory of this rank [bytes].
@@ -30,7 +30,8 @@ private:
     bool differ_ = false;
     double largest_ = 0;
     Array<double> weighted_mass_{"treacle::tension_by_mass", 0}; // [liquids]
-    Array<double> mass_{"treacle::tension_mass", 0}, share_{"treacle::tension_share", 0}, scratch_{"treacle::tension_scratch", 0};
+    Array<double> mass_{"treacle::tension_mass", 0}, share_{"treacle::tension_share", 0},
+        scratch_{"treacle::tension_scratch", 0};
     Array<double> tension_{"treacle::tensions", 0};
 };
 

@@ -41,8 +41,8 @@ KOKKOS_INLINE_FUNCTION SmallMatrix carry(const SmallMatrix& gradient, double dt)
 }
 
 // `distance` to the solids there.
-KOKKOS_INLINE_FUNCTION LossCause loss_of(const Advection& how, double leak_depth, double distance, const double x[3],
-                                         const double u[3]) {
+KOKKOS_INLINE_FUNCTION LossCause loss_of(
+    const Advection& how, double leak_depth, double distance, const double x[3], const double u[3]) {
     for (int k = 0; k < 3; ++k) {
         if (!math::isfinite(x[k]) || !math::isfinite(u[k])) return LossCause::non_finite;
     }
@@ -67,9 +67,11 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
     const auto x = particles.position(), u = particles.velocity();
     const auto cause = particles.cause();
     const auto ux = particles.affine(0), uy = particles.affine(1), uz = particles.affine(2);
-    const double width = how.faces.width, clearance = how.options.clearance * width, leak = how.options.leak_depth * width;
+    const double width = how.faces.width, clearance = how.options.clearance * width,
+                 leak = how.options.leak_depth * width;
     DepartureCounts out;
-    Kokkos::parallel_reduce("treacle::advect", particles.store.owned(),
+    Kokkos::parallel_reduce(
+        "treacle::advect", particles.store.owned(),
         KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& projected_out) {
             double to[3] = {x(i, 0), x(i, 1), x(i, 2)};
             const double speed[3] = {u(i, 0), u(i, 1), u(i, 2)};
@@ -100,7 +102,8 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
             cause(i) = static_cast<int>(found);
             outflow += found == LossCause::outflow ? 1 : 0;
             lost += found != LossCause::none && found != LossCause::outflow ? 1 : 0;
-        }, out.lost, out.outflow, out.projected_out);
+        },
+        out.lost, out.outflow, out.projected_out);
     return out;
 }
 
@@ -125,14 +128,18 @@ std::vector<LostParticle> remove_departed(GridParticles& particles) {
     const auto cause = particles.cause();
     const Array<int> keep("treacle::keep", static_cast<std::size_t>(n));
     int kept = 0, outflow = 0;
-    Kokkos::parallel_scan("treacle::remove_departed", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-        const bool stays = cause(i) == static_cast<int>(LossCause::none);
-        if (last && stays) keep(sum) = i;
-        sum += static_cast<int>(stays);
-    }, kept);
-    Kokkos::parallel_reduce("treacle::count_outflow", n, KOKKOS_LAMBDA(int i, int& sum) {
-        sum += static_cast<int>(cause(i) == static_cast<int>(LossCause::outflow));
-    }, outflow);
+    Kokkos::parallel_scan(
+        "treacle::remove_departed", n,
+        KOKKOS_LAMBDA(int i, int& sum, bool last) {
+            const bool stays = cause(i) == static_cast<int>(LossCause::none);
+            if (last && stays) keep(sum) = i;
+            sum += static_cast<int>(stays);
+        },
+        kept);
+    Kokkos::parallel_reduce(
+        "treacle::count_outflow", n,
+        KOKKOS_LAMBDA(int i, int& sum) { sum += static_cast<int>(cause(i) == static_cast<int>(LossCause::outflow)); },
+        outflow);
     std::vector<LostParticle> lost;
     if (kept + outflow < n) lost = list_lost(particles);
     particles.store.permute(keep, kept);

@@ -24,7 +24,7 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain);
 // Particles of this rank that depart.
 struct DepartureCounts {
     int lost = 0, outflow = 0; // for remove_departed to take out
-    int projected_out = 0;            // moved out of solids
+    int projected_out = 0;     // moved out of solids
 };
 
 // Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), then out of solids

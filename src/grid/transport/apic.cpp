@@ -5,7 +5,7 @@ namespace treacle::grid {
 namespace {
 // Places that stand alike in their cells: bit k of `node`: at the lower end along axis k, else in the middle.
 struct Weights {
-    int index; // of the place with the smallest coordinates
+    int index;       // of the place with the smallest coordinates
     double share[3]; // of the upper place along each axis
     double away[3];  // [m] from the particle to the lower place
 
@@ -69,7 +69,8 @@ struct Carried {
 };
 
 // Adds w m to the masses and w m (u + gradient (x_f - x_p)) to the sums of the eight (four) places around.
-KOKKOS_INLINE_FUNCTION void spread(const Rows& rows, const Weights& w, const Carried& from, const Array<double>& masses, const Array<double>& sums) {
+KOKKOS_INLINE_FUNCTION void spread(
+    const Rows& rows, const Weights& w, const Carried& from, const Array<double>& masses, const Array<double>& sums) {
     const CellBox& window = rows.window;
     const double* gradient = from.gradient;
     const double dx = rows.dx;
@@ -97,17 +98,18 @@ void spread_velocities(const Rows& rows, const LiquidScene& liquids, const FaceF
     const Array3 cx = affine[0], cy = affine[1], cz = affine[2];
     const auto liquid = particles.liquid();
     const auto particle_mass = liquids.particle_mass;
-    Kokkos::parallel_for("treacle::particles_to_faces", rows.size(), KOKKOS_LAMBDA(int i) {
-        rows.visit(i, x, [&](int k, const double p[3]) {
-            const double m = particle_mass(liquid(k));
-            for (int a = 0; a < rows.dimensions; ++a) {
-                const Array3& c = a == 0 ? cx : a == 1 ? cy : cz;
-                const double gradient[3] = {c(k, 0), c(k, 1), c(k, 2)};
-                const Weights w(p, 1 << a, rows.dx, rows.window, rows.dimensions);
-                spread(rows, w, {m, u(k, a), gradient}, mass.axis[a], momentum.axis[a]);
-            }
+    Kokkos::parallel_for(
+        "treacle::particles_to_faces", rows.size(), KOKKOS_LAMBDA(int i) {
+            rows.visit(i, x, [&](int k, const double p[3]) {
+                const double m = particle_mass(liquid(k));
+                for (int a = 0; a < rows.dimensions; ++a) {
+                    const Array3& c = a == 0 ? cx : a == 1 ? cy : cz;
+                    const double gradient[3] = {c(k, 0), c(k, 1), c(k, 2)};
+                    const Weights w(p, 1 << a, rows.dx, rows.window, rows.dimensions);
+                    spread(rows, w, {m, u(k, a), gradient}, mass.axis[a], momentum.axis[a]);
+                }
+            });
         });
-    });
 }
 
 void spread_fluidities(const Rows& rows, const LiquidScene& liquids, int node, const FluiditySums& out) {
@@ -115,13 +117,14 @@ void spread_fluidities(const Rows& rows, const LiquidScene& liquids, int node, c
     const auto liquid = liquids.particles.liquid();
     const auto viscosity = liquids.particles.viscosity();
     const auto particle_mass = liquids.particle_mass, mass = out.mass, sums = out.fluidity;
-    Kokkos::parallel_for("treacle::fluidity_sums", rows.size(), KOKKOS_LAMBDA(int i) {
-        const double none[3] = {0, 0, 0};
-        rows.visit(i, x, [&](int k, const double p[3]) {
-            const Weights w(p, node, rows.dx, rows.window, rows.dimensions);
-            spread(rows, w, {particle_mass(liquid(k)), fluidity_of(viscosity(k)), none}, mass, sums);
+    Kokkos::parallel_for(
+        "treacle::fluidity_sums", rows.size(), KOKKOS_LAMBDA(int i) {
+            const double none[3] = {0, 0, 0};
+            rows.visit(i, x, [&](int k, const double p[3]) {
+                const Weights w(p, node, rows.dx, rows.window, rows.dimensions);
+                spread(rows, w, {particle_mass(liquid(k)), fluidity_of(viscosity(k)), none}, mass, sums);
+            });
         });
-    });
 }
 
 void clear(Array<double>& field, std::size_t n) {
@@ -131,20 +134,22 @@ void clear(Array<double>& field, std::size_t n) {
 
 // Fluidities to viscosities.
 void invert(const Array<double>& sums, const Array<double>& mass, std::size_t n) {
-    Kokkos::parallel_for("treacle::invert_fluidity", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
-        sums(i) = harmonic_viscosity(mass(i), sums(i));
-    });
+    Kokkos::parallel_for(
+        "treacle::invert_fluidity", static_cast<int>(n),
+        KOKKOS_LAMBDA(int i) { sums(i) = harmonic_viscosity(mass(i), sums(i)); });
 }
 
 // Sums to means.
 void divide(const Array<double>& sums, const Array<double>& mass, std::size_t n) {
-    Kokkos::parallel_for("treacle::divide_by_mass", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
-        if (mass(i) > 0) sums(i) /= mass(i);
-    });
+    Kokkos::parallel_for(
+        "treacle::divide_by_mass", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
+            if (mass(i) > 0) sums(i) /= mass(i);
+        });
 }
 } // namespace
 
-void particles_to_faces(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, FaceField& mass, FaceField& velocity) {
+void particles_to_faces(
+    const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, FaceField& mass, FaceField& velocity) {
     const auto n = static_cast<std::size_t>(window.size());
     for (int a = 0; a < grid.dimensions; ++a) {
         clear(mass.axis[a], n);
@@ -156,7 +161,8 @@ void particles_to_faces(const MacGrid& grid, const LiquidScene& liquids, const C
     for (int a = 0; a < grid.dimensions; ++a) divide(velocity.axis[a], mass.axis[a], n);
 }
 
-void fluidity_sums(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, int node, const FluiditySums& out) {
+void fluidity_sums(
+    const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, int node, const FluiditySums& out) {
     const auto n = static_cast<std::size_t>(window.size());
     clear(out.mass, n);
     clear(out.fluidity, n);
@@ -165,7 +171,8 @@ void fluidity_sums(const MacGrid& grid, const LiquidScene& liquids, const CellBo
     }
 }
 
-void harmonic_viscosities(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, Array<double>& centres, EdgeField& edges) {
+void harmonic_viscosities(
+    const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, Array<double>& centres, EdgeField& edges) {
     const auto n = static_cast<std::size_t>(window.size());
     Array<double> mass("treacle::viscosity_mass", n);
     const auto mean = [&](int node, Array<double>& out) {
@@ -173,46 +180,49 @@ void harmonic_viscosities(const MacGrid& grid, const LiquidScene& liquids, const
         invert(out, mass, n);
     };
     mean(0, centres);
-    for (int a = grid.dimensions == 2 ? 2 : 0; a < 3; ++a) mean((grid.dimensions == 2 ? 3 : 7) & ~(1 << a), edges.axis[a]);
+    for (int a = grid.dimensions == 2 ? 2 : 0; a < 3; ++a)
+        mean((grid.dimensions == 2 ? 3 : 7) & ~(1 << a), edges.axis[a]);
 }
 
-void faces_to_particles(const MacGrid& grid, const CellBox& window, const FaceField& velocity,
-                        const GridParticles& particles) {
+void faces_to_particles(
+    const MacGrid& grid, const CellBox& window, const FaceField& velocity, const GridParticles& particles) {
     const FaceSampler sampler(grid, window, velocity);
     const auto x = particles.position(), u = particles.velocity();
     const Array3 cx = particles.affine(0), cy = particles.affine(1), cz = particles.affine(2);
-    Kokkos::parallel_for("treacle::faces_to_particles", particles.store.owned(), KOKKOS_LAMBDA(int k) {
-        const double p[3] = {x(k, 0), x(k, 1), x(k, 2)};
-        for (int a = 0; a < 3; ++a) {
-            const Array3& c = a == 0 ? cx : a == 1 ? cy : cz;
-            double gradient[3] = {0, 0, 0};
-            u(k, a) = a < sampler.dimensions ? sampler.component(a, p, gradient) : 0;
-            for (int b = 0; b < 3; ++b) c(k, b) = gradient[b];
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::faces_to_particles", particles.store.owned(), KOKKOS_LAMBDA(int k) {
+            const double p[3] = {x(k, 0), x(k, 1), x(k, 2)};
+            for (int a = 0; a < 3; ++a) {
+                const Array3& c = a == 0 ? cx : a == 1 ? cy : cz;
+                double gradient[3] = {0, 0, 0};
+                u(k, a) = a < sampler.dimensions ? sampler.component(a, p, gradient) : 0;
+                for (int b = 0; b < 3; ++b) c(k, b) = gradient[b];
+            }
+        });
 }
 
-void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Array<double>& pressure,
-                            const GridParticles& particles) {
+void pressures_to_particles(
+    const MacGrid& grid, const CellBox& window, const Array<double>& pressure, const GridParticles& particles) {
     const auto x = particles.position();
     const auto out = particles.pressure();
     const MacGrid places = grid;
-    Kokkos::parallel_for("treacle::pressures_to_particles", particles.store.owned(), KOKKOS_LAMBDA(int k) {
-        int base[3] = {0, 0, window.lo[2]};
-        double s[3] = {0, 0, 0};
-        for (int a = 0; a < places.dimensions; ++a) {
-            const double p = (x(k, a) - places.lower[a]) / places.dx - 0.5;
-            base[a] = static_cast<int>(math::floor(p));
-            s[a] = p - base[a];
-        }
-        double sum = 0;
-        for (int n = 0; n < (places.dimensions == 2 ? 4 : 8); ++n) {
-            const int i = n & 1, j = n >> 1 & 1, l = n >> 2;
-            const double weight = (i ? s[0] : 1 - s[0]) * (j ? s[1] : 1 - s[1]) * (l ? s[2] : 1 - s[2]);
-            sum += weight * pressure(window.index(base[0] + i, base[1] + j, base[2] + l));
-        }
-        out(k) = sum;
-    });
+    Kokkos::parallel_for(
+        "treacle::pressures_to_particles", particles.store.owned(), KOKKOS_LAMBDA(int k) {
+            int base[3] = {0, 0, window.lo[2]};
+            double s[3] = {0, 0, 0};
+            for (int a = 0; a < places.dimensions; ++a) {
+                const double p = (x(k, a) - places.lower[a]) / places.dx - 0.5;
+                base[a] = static_cast<int>(math::floor(p));
+                s[a] = p - base[a];
+            }
+            double sum = 0;
+            for (int n = 0; n < (places.dimensions == 2 ? 4 : 8); ++n) {
+                const int i = n & 1, j = n >> 1 & 1, l = n >> 2;
+                const double weight = (i ? s[0] : 1 - s[0]) * (j ? s[1] : 1 - s[1]) * (l ? s[2] : 1 - s[2]);
+                sum += weight * pressure(window.index(base[0] + i, base[1] + j, base[2] + l));
+            }
+            out(k) = sum;
+        });
 }
 
 } // namespace treacle::grid

@@ -19,21 +19,23 @@ struct LiquidScene {
 // Faces that no particle reaches have mass 0 and velocity 0. Right for the faces of owned cells when the ghosts'
 // velocity, affine fields and liquid have been gathered; then CellHalo::gather.
 // The order of the sums is fixed: colours of rows of cells, no two of one colour sharing a face.
-void particles_to_faces(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, FaceField& mass, FaceField& velocity);
+void particles_to_faces(
+    const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, FaceField& mass, FaceField& velocity);
 
 // Velocity and affine matrix of the owned particles from the faces of the window, halo included.
-void faces_to_particles(const MacGrid& grid, const CellBox& window, const FaceField& velocity,
-                        const GridParticles& particles);
+void faces_to_particles(
+    const MacGrid& grid, const CellBox& window, const FaceField& velocity, const GridParticles& particles);
 
 // Pressures [Pa] of the owned particles from those of the centres of the window's cells, one cell around the owned ones
 // included: linear in between.
-void pressures_to_particles(const MacGrid& grid, const CellBox& window, const Array<double>& pressure,
-                            const GridParticles& particles);
+void pressures_to_particles(
+    const MacGrid& grid, const CellBox& window, const Array<double>& pressure, const GridParticles& particles);
 
 // (R3) Viscosities [Pa s] of each centre and edge from the particles around, 1/mu = sum w m/mu_p / sum w m: liquids of different
 // viscosity resist one after the other what shears the layer between them, since the stress is continuous. Where there are no
 // particles, or some without viscosity, 0. As particles_to_faces(), with the ghosts' viscosity and liquid gathered.
-void harmonic_viscosities(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, Array<double>& centres, EdgeField& edges);
+void harmonic_viscosities(
+    const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, Array<double>& centres, EdgeField& edges);
 
 // Viscosities below this count as none [Pa s].
 constexpr double min_viscosity = 1e-12;
@@ -50,7 +52,8 @@ struct FluiditySums {
     Array<double>& mass;     // [window] sum w m [kg]
     Array<double>& fluidity; // [window] sum w m / mu [kg/(Pa s)]
 };
-void fluidity_sums(const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, int node, const FluiditySums& out);
+void fluidity_sums(
+    const MacGrid& grid, const LiquidScene& liquids, const CellBox& window, int node, const FluiditySums& out);
 
 // The velocity anywhere among the faces of a window.
 struct FaceSampler {

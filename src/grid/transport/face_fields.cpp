@@ -16,12 +16,14 @@ void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& fro
     }
 }
 
-void subtract_faces(const MacGrid& grid, const CellBox& window, const FaceField& a, const FaceField& b, FaceField& out) {
+void subtract_faces(
+    const MacGrid& grid, const CellBox& window, const FaceField& a, const FaceField& b, FaceField& out) {
     reserve_faces(out, grid, window);
     for (int axis = 0; axis < grid.dimensions; ++axis) {
         const auto first = a.axis[axis], second = b.axis[axis], difference = out.axis[axis];
-        Kokkos::parallel_for("treacle::subtract_faces", static_cast<int>(window.size()),
-                             KOKKOS_LAMBDA(int i) { difference(i) = first(i) - second(i); });
+        Kokkos::parallel_for(
+            "treacle::subtract_faces", static_cast<int>(window.size()),
+            KOKKOS_LAMBDA(int i) { difference(i) = first(i) - second(i); });
     }
 }
 
@@ -33,32 +35,37 @@ void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field) {
     }
 }
 
-void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
-                const FaceField& velocity) {
+void accelerate(
+    const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt, const FaceField& velocity) {
     for (int a = 0; a < grid.dimensions; ++a) {
         const double change = g[static_cast<std::size_t>(a)] * dt;
         const auto u = velocity.axis[a];
-        Kokkos::parallel_for("treacle::gravity", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) { u(i) += change; });
+        Kokkos::parallel_for(
+            "treacle::gravity", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) { u(i) += change; });
     }
 }
 
-void mark_valid_faces(const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx, FaceValidity& known) {
+void mark_valid_faces(const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx,
+    FaceValidity& known) {
     const double least = wet.least;
     const bool viscous = viscosity.cell.extent(0) > 0;
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
         const auto share = wet.share.axis[a];
-        Kokkos::parallel_for("treacle::mark_valid_faces", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
-            int c[3];
-            faces.window.cell(i, c);
-            const auto above = static_cast<std::size_t>(i);
-            const auto below = c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
-            const bool beside = faces.is_liquid(above) || faces.is_liquid(below);
-            const bool held = viscous && share(i) >= least &&
-                              math::max(viscosity.diffusion_number(above, dx), viscosity.diffusion_number(below, dx)) >= 1;
-            mark(i) = (beside || held) && faces.carries(a, above) ? 1 : 0;
-        });
+        Kokkos::parallel_for(
+            "treacle::mark_valid_faces", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+                int c[3];
+                faces.window.cell(i, c);
+                const auto above = static_cast<std::size_t>(i);
+                const auto below =
+                    c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
+                const bool beside = faces.is_liquid(above) || faces.is_liquid(below);
+                const bool held =
+                    viscous && share(i) >= least &&
+                    math::max(viscosity.diffusion_number(above, dx), viscosity.diffusion_number(below, dx)) >= 1;
+                mark(i) = (beside || held) && faces.carries(a, above) ? 1 : 0;
+            });
     }
 }
 
@@ -75,7 +82,8 @@ struct TurnLoop {
     FaceField to;
 
     // u, relative to the solid at x in it, becomes that of a velocity that falls linearly to the solid's.
-    KOKKOS_INLINE_FUNCTION void hold(int solid_number, double depth, const double x[3], const double n[3], double u[3]) const {
+    KOKKOS_INLINE_FUNCTION void hold(
+        int solid_number, double depth, const double x[3], const double n[3], double u[3]) const {
         const double dx = grid.dx;
         if (solid_number == Solids::nothing || depth > 1.25 * dx) return;
         const double length = grip.length(Solids::place(solid_number));
@@ -90,7 +98,8 @@ struct TurnLoop {
         }
         from.velocity(off, there);
         motion.velocity(solid_number, off, moved);
-        const double spread = grip.viscosity.diffusion_number(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
+        const double spread =
+            grip.viscosity.diffusion_number(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
         const double grown = spread / (spread + 1), share = (length - depth) / (length + dx);
         for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
     }
@@ -118,21 +127,23 @@ struct TurnLoop {
             if (grip.any) hold(nearest, math::max(-distance, 0.0), x, n, u);
             double along = 0;
             for (int k = 0; k < faces.dimensions; ++k) along += u[k] * n[k];
-            const bool leaves = grip.leaves.extent(0) > 0 && (grip.leaves(at) != 0 || grip.leaves(at - faces.stride[a]) != 0);
+            const bool leaves =
+                grip.leaves.extent(0) > 0 && (grip.leaves(at) != 0 || grip.leaves(at - faces.stride[a]) != 0);
             to.axis[a](at) = v[a] + u[a] - (leaves ? math::min(along, 0.0) : along) * n[a];
         }
     }
 };
 } // namespace
 
-void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip, const FaceField& velocity, FaceField& scratch) {
+void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip,
+    const FaceField& velocity, FaceField& scratch) {
     const auto& [grid, halo, faces] = scene;
     const CellBox owned = halo.owned();
     if (!owned.empty()) {
         copy_faces(grid, halo.window(), velocity, scratch);
         Kokkos::parallel_for("treacle::enforce_wall_velocity", static_cast<int>(owned.size()),
-                             TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
-                                      FaceSampler(grid, halo.window(), scratch), grip, velocity});
+            TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
+                FaceSampler(grid, halo.window(), scratch), grip, velocity});
     }
     gather_faces(grid, halo, velocity);
 }
@@ -141,26 +152,29 @@ namespace {
 void find_changes(int axis, int n, const Extrapolated& with, const Array<int>& known, const Array<double>& velocity) {
     const auto start = with.start.axis[axis], change = with.change.axis[axis];
     const auto reached = with.reached.axis[axis];
-    Kokkos::parallel_for("treacle::find_changes", n, KOKKOS_LAMBDA(int i) {
-        change(i) = known(i) != 0 ? velocity(i) - start(i) : 0.0;
-        reached(i) = known(i);
-    });
+    Kokkos::parallel_for(
+        "treacle::find_changes", n, KOKKOS_LAMBDA(int i) {
+            change(i) = known(i) != 0 ? velocity(i) - start(i) : 0.0;
+            reached(i) = known(i);
+        });
 }
 
 void add_changes(int axis, const PressureFaces& faces, const Extrapolated& with, const Array<int>& known,
-                 const Array<double>& velocity) {
+    const Array<double>& velocity) {
     const auto start = with.start.axis[axis], mass = with.mass.axis[axis], change = with.change.axis[axis];
     const auto reached = with.reached.axis[axis];
-    Kokkos::parallel_for("treacle::add_changes", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
-        const bool in_air = faces.carries(axis, static_cast<std::size_t>(i));
-        if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0) || !in_air) return;
-        velocity(i) = start(i) + change(i);
-        known(i) = 1;
-    });
+    Kokkos::parallel_for(
+        "treacle::add_changes", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
+            const bool in_air = faces.carries(axis, static_cast<std::size_t>(i));
+            if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0) || !in_air) return;
+            velocity(i) = start(i) + change(i);
+            known(i) = 1;
+        });
 }
 } // namespace
 
-void extrapolate_increment(const FaceScene& scene, const Extrapolated& with, FaceValidity& known, const FaceField& velocity) {
+void extrapolate_increment(
+    const FaceScene& scene, const Extrapolated& with, FaceValidity& known, const FaceField& velocity) {
     const auto& [grid, halo, faces] = scene;
     const int n = static_cast<int>(halo.window().size());
     reserve_faces(with.change, grid, halo.window());

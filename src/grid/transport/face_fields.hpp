@@ -16,12 +16,12 @@ void gather_faces(const MacGrid& grid, CellHalo& halo, const FaceField& field);
 void subtract_faces(const MacGrid& grid, const CellBox& window, const FaceField& a, const FaceField& b, FaceField& out);
 
 // (A1) u += g dt on all faces of the window.
-void accelerate(const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt,
-                const FaceField& velocity);
+void accelerate(
+    const MacGrid& grid, const CellBox& window, const std::array<double, 3>& g, double dt, const FaceField& velocity);
 
 // Spread by viscosity in a step of dt [s].
 struct DiffusionNumber {
-    Array<double> cell; // [Pa s]; without one: nothing
+    Array<double> cell;         // [Pa s]; without one: nothing
     double density = 1, dt = 0; // [kg/m3], [s]
     // Distance that a velocity spreads into a cell within the step, squared, over (dx/2)^2.
     KOKKOS_INLINE_FUNCTION double diffusion_number(std::size_t i, double dx) const {
@@ -38,7 +38,8 @@ struct WetShares {
 // Marks the faces whose velocity the solves found: open ones beside liquid; and those with wet shares from the least on where the
 // viscosity reaches over half a cell. Thinner liquid beyond the pressure's faces does there what gravity makes of it: a dam
 // break of water in steps of three cells heaped up to thousands of particles in a cell, which followed such faces into walls.
-void mark_valid_faces(const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx, FaceValidity& known);
+void mark_valid_faces(
+    const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx, FaceValidity& known);
 
 // Faces beyond those of the solves, that velocities go on to.
 struct FaceScene {
@@ -58,7 +59,8 @@ struct WallCondition {
 // (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid (of cells that separate: into it), so that
 // particles near solids move along them; and are those of a velocity that falls linearly to the solid's a slip length behind
 // its surface, as far as viscosity spreads within the step: nu dt over that and (dx/2)^2. `scratch` takes a copy.
-void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip, const FaceField& velocity, FaceField& scratch);
+void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip,
+    const FaceField& velocity, FaceField& scratch);
 
 // (A6) Collective: what the step has changed since `start` at the faces that are known goes on to open faces around them that
 // particles gave a velocity, which have a mass: start + change, and known from then on. A mean of the neighbours'
@@ -66,10 +68,11 @@ void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const W
 struct Extrapolated {
     const FaceField& start;
     const FaceField& mass;
-    FaceField& change; // scratch
+    FaceField& change;     // scratch
     FaceValidity& reached; // scratch
 };
-void extrapolate_increment(const FaceScene& scene, const Extrapolated& with, FaceValidity& known, const FaceField& velocity);
+void extrapolate_increment(
+    const FaceScene& scene, const Extrapolated& with, FaceValidity& known, const FaceField& velocity);
 // Copies the numbers of the window.
 void copy_faces(const MacGrid& grid, const CellBox& window, const FaceField& from, FaceField& to);
 

@@ -38,7 +38,8 @@ scene::Shape plug_shape(const flow::InletSetup& inlet, const Vec3& middle, doubl
     scene::Shape shape;
     const double depth = inlet_body_layers * spacing;
     const bool plane = dimensions == 2;
-    const double dense = spacing / flow::step_of(inlet, {spacing, 0}); // points are as much farther apart as layers are nearer
+    const double dense =
+        spacing / flow::step_of(inlet, {spacing, 0}); // points are as much farther apart as layers are nearer
     const double across = spacing * (plane ? dense : std::sqrt(dense));
     if (inlet.round) {
         shape.kind = scene::ShapeKind::cylinder;
@@ -52,7 +53,8 @@ scene::Shape plug_shape(const flow::InletSetup& inlet, const Vec3& middle, doubl
     const Vec3 size{extent(inlet, inlet.along, across), plane ? depth : extent(inlet, second, across), depth};
     shape.min = middle - 0.5 * size;
     shape.max = middle + 0.5 * size;
-    const Vec3 turn = plane ? Vec3{0, 0, std::atan2(inlet.along[1], inlet.along[0])} : rotation_to(inlet.along, inlet.direction);
+    const Vec3 turn =
+        plane ? Vec3{0, 0, std::atan2(inlet.along[1], inlet.along[0])} : rotation_to(inlet.along, inlet.direction);
     shape.rotation_angle = length(turn);
     if (shape.rotation_angle > 0) shape.rotation_axis = (1 / shape.rotation_angle) * turn;
     return shape;
@@ -87,9 +89,10 @@ flow::InletEmitter make_inlet_emitter(const flow::InflowSetup& setup, const MacG
 }
 
 void emit_layers(const flow::InletEmitter& source, const TimeSpan& time, const Decomposition& decomposition,
-                 GridParticles& particles) {
+    GridParticles& particles) {
     const int before = particles.store.owned();
-    const flow::InletEmitter::Fields fields{particles.velocity_field(), particles.liquid_field(), particles.viscosity_field()};
+    const flow::InletEmitter::Fields fields{
+        particles.velocity_field(), particles.liquid_field(), particles.viscosity_field()};
     for (std::size_t q = 0; q < source.setup().inlets.size(); ++q) {
         const auto& inlet = source.setup().inlets[q];
         const auto due = layers_until(inlet, source.layers(), time.end);

@@ -29,6 +29,6 @@ struct TimeSpan {
 // Puts in the layers that pass their openings within the time, where they are at its end; each rank those of its own cells.
 // Ghosts are dropped.
 void emit_layers(const flow::InletEmitter& source, const TimeSpan& time, const Decomposition& decomposition,
-                 GridParticles& particles);
+    GridParticles& particles);
 
 } // namespace treacle::grid

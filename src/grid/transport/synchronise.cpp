@@ -22,34 +22,36 @@ KOKKOS_INLINE_FUNCTION void carry_rate(const double rate[3], const double before
 } // namespace
 
 void end_velocities(const MacGrid& grid, const CellBox& window, const FaceField& change, const StepTimes& times,
-                    const GridParticles& particles) {
+    const GridParticles& particles) {
     const FaceSampler sampler(grid, window, change);
     const auto x = particles.position(), u = particles.velocity();
     const auto acceleration = particles.acceleration(), end = particles.end_velocity();
     const StepTimes of = times;
-    Kokkos::parallel_for("treacle::end_velocities", particles.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double at[3] = {x(i, 0), x(i, 1), x(i, 2)};
-        const double before[3] = {acceleration(i, 0), acceleration(i, 1), acceleration(i, 2)};
-        double rate[3], carried[3];
-        sampler.velocity(at, rate);
-        for (int k = 0; k < 3; ++k) rate[k] /= of.kick;
-        carry_rate(rate, before, of.first, carried);
-        for (int k = 0; k < 3; ++k) {
-            acceleration(i, k) = rate[k];
-            end(i, k) = u(i, k) + 0.5 * of.drift * carried[k];
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::end_velocities", particles.store.owned(), KOKKOS_LAMBDA(int i) {
+            const double at[3] = {x(i, 0), x(i, 1), x(i, 2)};
+            const double before[3] = {acceleration(i, 0), acceleration(i, 1), acceleration(i, 2)};
+            double rate[3], carried[3];
+            sampler.velocity(at, rate);
+            for (int k = 0; k < 3; ++k) rate[k] /= of.kick;
+            carry_rate(rate, before, of.first, carried);
+            for (int k = 0; k < 3; ++k) {
+                acceleration(i, k) = rate[k];
+                end(i, k) = u(i, k) + 0.5 * of.drift * carried[k];
+            }
+        });
 }
 
 void begin_velocities(const GridParticles& particles, int begin) {
     const auto u = particles.velocity(), acceleration = particles.acceleration(), end = particles.end_velocity();
-    Kokkos::parallel_for("treacle::begin_velocities", Kokkos::RangePolicy<>(begin, std::max(begin, particles.store.owned())),
-                         KOKKOS_LAMBDA(int i) {
-                             for (int k = 0; k < 3; ++k) {
-                                 end(i, k) = u(i, k);
-                                 acceleration(i, k) = 0;
-                             }
-                         });
+    Kokkos::parallel_for(
+        "treacle::begin_velocities", Kokkos::RangePolicy<>(begin, std::max(begin, particles.store.owned())),
+        KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) {
+                end(i, k) = u(i, k);
+                acceleration(i, k) = 0;
+            }
+        });
 }
 
 void EndMotion::start(Middle middle) {
@@ -67,7 +69,8 @@ std::vector<double> rate_of(std::span<const double> now, std::span<const double>
 }
 
 // Sums |rate - before|^2 and |rate|^2 + |before|^2 of the linear or the angular halves.
-void add_squares(std::span<const double> rate, std::span<const double> before, std::size_t half, std::array<double, 2>& sums) {
+void add_squares(
+    std::span<const double> rate, std::span<const double> before, std::size_t half, std::array<double, 2>& sums) {
     for (std::size_t at = half; at + 3 <= rate.size(); at += 6) {
         for (std::size_t k = at; k < at + 3; ++k) {
             sums[0] += (rate[k] - before[k]) * (rate[k] - before[k]);
@@ -76,7 +79,8 @@ void add_squares(std::span<const double> rate, std::span<const double> before, s
     }
 }
 
-void add_lead(std::span<const double> rate, std::span<const double> before, std::size_t half, double drift, std::span<double> out) {
+void add_lead(std::span<const double> rate, std::span<const double> before, std::size_t half, double drift,
+    std::span<double> out) {
     for (std::size_t at = half; at + 3 <= rate.size(); at += 6) {
         for (std::size_t k = at; k < at + 3; ++k) out[k] += 0.5 * drift * (2 * rate[k] - before[k]);
     }

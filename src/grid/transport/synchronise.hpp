@@ -25,7 +25,7 @@ inline constexpr double smooth_share = 0.1;
 // Sets end_velocity() and acceleration() of the owned particles, whose velocity() is that of the middle. `change` [window]:
 // what the step made of the velocities of the faces [m/s]. Before the particles move. Local.
 void end_velocities(const MacGrid& grid, const CellBox& window, const FaceField& change, const StepTimes& times,
-                    const GridParticles& particles);
+    const GridParticles& particles);
 // As at rest, of the owned particles from `begin` on: end_velocity() is velocity().
 void begin_velocities(const GridParticles& particles, int begin);
 
@@ -43,7 +43,9 @@ public:
     void start(Middle middle);
     void record(Middle middle, const StepTimes& times);
     const std::array<double, 6>& liquid() const { return end_; }
-    const std::vector<double>& lead() const { return lead_; } // of the bodies' velocities of the end before those of the middle
+    const std::vector<double>& lead() const {
+        return lead_;
+    } // of the bodies' velocities of the end before those of the middle
 
     // All that changes, for as many bodies.
     std::vector<double> state() const;

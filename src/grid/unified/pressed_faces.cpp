@@ -67,7 +67,7 @@ void PressedFaces::find_sides(const ViscousSystem& viscous, const PressureSystem
     reserve(rows_, 2 * n);
     reserve(values_, 2 * n);
     Kokkos::parallel_for("treacle::pressed_sides", faces_,
-                         SidesLoop{pressure.faces(), viscous.place_of(), pressure.row_of(), rows_, values_});
+        SidesLoop{pressure.faces(), viscous.place_of(), pressure.row_of(), rows_, values_});
     const auto rows = on_host(rows_);
     const auto values = on_host(values_);
     const Places place{static_cast<int>(pressure.first_row()), pressures_, of_pressures_->columns()};
@@ -75,7 +75,7 @@ void PressedFaces::find_sides(const ViscousSystem& viscous, const PressureSystem
     for (std::size_t r = 0; r < n; ++r) {
         const int below = rows(2 * r), above = rows(2 * r + 1);
         sides_[r] = {below < 0 ? none : place(below), above < 0 ? none : place(above), scales.area * values(2 * r),
-                     scales.change * values(2 * r + 1)};
+            scales.change * values(2 * r + 1)};
     }
 }
 
@@ -84,8 +84,8 @@ void PressedFaces::find_flux(const ViscousSystem& viscous, const PressureSystem&
     reserve(rows_, 6 * m);
     reserve(values_, 6 * m);
     Kokkos::parallel_for("treacle::pressed_flux", pressures_,
-                         FluxLoop{pressure.faces(), pressure.cell_of(), {viscous.row_of(0), viscous.row_of(1), viscous.row_of(2)},
-                                  rows_, values_});
+        FluxLoop{pressure.faces(), pressure.cell_of(), {viscous.row_of(0), viscous.row_of(1), viscous.row_of(2)}, rows_,
+            values_});
     const auto rows = on_host(rows_);
     const auto values = on_host(values_);
     const Places place{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
@@ -126,7 +126,8 @@ void PressedFaces::differences(std::span<const double> p, std::vector<double>& o
     const auto around = of_pressures_->gather(p);
     for (std::size_t r = 0; r < out.size(); ++r) {
         const auto& face = sides_[r];
-        out[r] = (face.above == none ? 0.0 : value_at(p, around, face.above)) - (face.below == none ? 0.0 : value_at(p, around, face.below));
+        out[r] = (face.above == none ? 0.0 : value_at(p, around, face.above)) -
+                 (face.below == none ? 0.0 : value_at(p, around, face.below));
     }
 }
 
@@ -141,8 +142,8 @@ void PressedFaces::push(std::span<const double> p, std::span<double> u) {
 }
 
 std::size_t PressedFaces::bytes() const {
-    return sides_.capacity() * sizeof(Sides) + entries_.capacity() * sizeof(Entry) + 4 * (first_.capacity() + rows_.span()) +
-           8 * (difference_.capacity() + values_.span());
+    return sides_.capacity() * sizeof(Sides) + entries_.capacity() * sizeof(Entry) +
+           4 * (first_.capacity() + rows_.span()) + 8 * (difference_.capacity() + values_.span());
 }
 
 } // namespace treacle::grid

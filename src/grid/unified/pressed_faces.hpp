@@ -44,11 +44,11 @@ private:
     void differences(std::span<const double> p, std::vector<double>& out);
 
     int faces_ = 0, pressures_ = 0;
-    std::vector<Sides> sides_;         // [faces]
-    std::vector<Entry> entries_;       // of cell r from first_[r] to first_[r + 1]
-    std::vector<int> first_;           // [pressures + 1]
-    std::vector<double> difference_;   // [faces], of pressures
-    RowHalo* of_faces_ = nullptr;      // those of the two systems
+    std::vector<Sides> sides_;       // [faces]
+    std::vector<Entry> entries_;     // of cell r from first_[r] to first_[r + 1]
+    std::vector<int> first_;         // [pressures + 1]
+    std::vector<double> difference_; // [faces], of pressures
+    RowHalo* of_faces_ = nullptr;    // those of the two systems
     RowHalo* of_pressures_ = nullptr;
     Array<int> rows_{"treacle::pressed_rows", 0};
     Array<double> values_{"treacle::pressed_values", 0};

@@ -27,8 +27,9 @@ void close_held_faces(const ViscousFaces& viscous, const FaceField& open, FaceFi
         reserve(out.axis[a], n);
         const auto from = open.axis[a], to = out.axis[a];
         const auto role = viscous.role[a];
-        Kokkos::parallel_for("treacle::close_held_faces", static_cast<int>(n),
-                             KOKKOS_LAMBDA(int i) { to(i) = role(i) == prescribed_face ? 0.0 : from(i); });
+        Kokkos::parallel_for(
+            "treacle::close_held_faces", static_cast<int>(n),
+            KOKKOS_LAMBDA(int i) { to(i) = role(i) == prescribed_face ? 0.0 : from(i); });
     }
 }
 
@@ -36,8 +37,8 @@ void close_held_faces(const ViscousFaces& viscous, const FaceField& open, FaceFi
 struct Stokes::System {
     Stokes& of;
     const Parts& parts;
-    std::size_t n, m;      // rows of velocities and motions, of pressures
-    double face, inertia;  // [m2]; [kg/(m s)], in 2D [m], [kg/(m2 s)]: pressures of the projection per flux
+    std::size_t n, m;     // rows of velocities and motions, of pressures
+    double face, inertia; // [m2]; [kg/(m s)], in 2D [m], [kg/(m2 s)]: pressures of the projection per flux
 
     System(Stokes& stokes, const Parts& given)
         : of(stokes), parts(given), n(given.viscous.rows()), m(given.pressure.rows()) {
@@ -143,9 +144,9 @@ void Stokes::choose_guess(const System& system) {
 void Stokes::check(const solve::SolveReport& report, std::int64_t unknowns) const {
     if (report.outcome != solve::Outcome::non_finite && report.relative_residual <= most_residual) return;
     throw SimulationError({"method.stokes", report.reason,
-                           "pressure and viscosity together have not been solved after " + std::to_string(report.iterations) +
-                               " iterations on " + std::to_string(unknowns) + " unknowns",
-                           "take a smaller time step, or solve: split"});
+        "pressure and viscosity together have not been solved after " + std::to_string(report.iterations) +
+            " iterations on " + std::to_string(unknowns) + " unknowns",
+        "take a smaller time step, or solve: split"});
 }
 
 // (U)
@@ -156,7 +157,8 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
     build(parts, velocity, bodies);
     System system(*this, parts);
     weigh(system);
-    operator_ = {[&system](auto x, auto y) { system.multiply(x, y); }, [&system](auto r, auto z) { system.precondition(r, z); }, weights_};
+    operator_ = {[&system](auto x, auto y) { system.multiply(x, y); },
+        [&system](auto r, auto z) { system.precondition(r, z); }, weights_};
     parts.pressure.set_up_preconditioner();
     parts.viscous.set_up_preconditioner();
     load(system, velocity, bodies);
@@ -175,7 +177,8 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
 
 std::size_t Stokes::bytes() const {
     std::size_t numbers = 0;
-    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &held_, &scratch_, &residual_}) numbers += vector->capacity();
+    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &held_, &scratch_, &residual_})
+        numbers += vector->capacity();
     return 8 * numbers + idr_.bytes() + volumes_.bytes() + pressed_.bytes();
 }
 

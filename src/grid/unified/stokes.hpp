@@ -14,7 +14,8 @@ namespace treacle::grid {
 struct StokesReport {
     solve::SolveReport solve;  // its residual is the weighted one of both equations (src/grid/theory.md)
     std::int64_t unknowns = 0; // faces and pressures, over all ranks
-    std::vector<double> loads, viscous_loads; // by the pressure of this solve, by viscosity; 6 numbers a body [N], [N m]
+    std::vector<double> loads,
+        viscous_loads; // by the pressure of this solve, by viscosity; 6 numbers a body [N], [N m]
 };
 
 // One step of unsteady Stokes flow (U): pressure and viscosity act together on the velocities u of the faces and the motions

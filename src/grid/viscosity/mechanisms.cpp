@@ -179,10 +179,13 @@ void Mechanisms::build(const Comm& comm, const ViscousFaces& faces, const Viscou
 void Mechanisms::add(std::span<const double> r, std::span<double> z) {
     const auto rows = static_cast<std::size_t>(rows_);
     std::span<const double> around;
-    const auto value = [&](std::span<const double> own, std::size_t place) { return place < rows ? own[place] : around[place - rows]; };
+    const auto value = [&](std::span<const double> own, std::size_t place) {
+        return place < rows ? own[place] : around[place - rows];
+    };
     const auto push = [&](std::size_t m, double strength) {
         for (std::size_t k = first_[m]; k < first_[m + 1]; ++k) {
-            if (members_[k].place < rows_) z[static_cast<std::size_t>(members_[k].place)] += members_[k].part * strength;
+            if (members_[k].place < rows_)
+                z[static_cast<std::size_t>(members_[k].place)] += members_[k].part * strength;
         }
     };
     if (shared_) around = halo_.gather(r);

@@ -36,7 +36,9 @@ struct SlipLengthLoop {
     Array<double> distance, of, length, of_centre;
     Array<int> body;
 
-    KOKKOS_INLINE_FUNCTION double length_of_solid(int solid) const { return solid == Solids::nothing ? 0 : of(Solids::place(solid)); }
+    KOKKOS_INLINE_FUNCTION double length_of_solid(int solid) const {
+        return solid == Solids::nothing ? 0 : of(Solids::place(solid));
+    }
     KOKKOS_INLINE_FUNCTION int sliding_near(const int c[3]) const {
         int out = Solids::nothing;
         double least = 0;
@@ -78,7 +80,8 @@ SlipGeometry::SlipGeometry(const MacGrid& grid, const scene::Domain& domain, con
         slip_.slides[k] = lengths.back() > 0;
         slip_.side[k] = k % 2 == 0 ? domain.min[k / 2] : domain.max[k / 2];
     }
-    for (std::size_t b = 0; b < setup.slip.size(); ++b) lengths.push_back(length_of(setup.slip[b], setup.slip_length[b]));
+    for (std::size_t b = 0; b < setup.slip.size(); ++b)
+        lengths.push_back(length_of(setup.slip[b], setup.slip_length[b]));
     any_ = std::ranges::any_of(lengths, [](double length) { return length > 0; });
     reserve(lengths_, lengths.size());
     auto host = Kokkos::create_mirror_view(lengths_);
@@ -93,16 +96,16 @@ void SlipGeometry::find_lengths(const Solids& solids) {
     reserve(slip_.body, n);
     reserve(slip_.distance, n);
     Kokkos::parallel_for("treacle::slip_lengths", static_cast<int>(n),
-                         SlipLengthLoop{nodes, solids.number(), solids.distance(), lengths_, slip_.length, slip_.distance, slip_.body});
+        SlipLengthLoop{nodes, solids.number(), solids.distance(), lengths_, slip_.length, slip_.distance, slip_.body});
 }
 
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
-                          const LevelSet& liquid, FractionMethod method) {
+    const LevelSet& liquid, FractionMethod method) {
     no_slip_.update(halo, bodies);
     builder_.build(no_slip_.nodes(), no_slip_.distance(), liquid.distance(), method, slip_.grip, no_slip_.walls());
     if (bodies.size() > 0) {
-        builder_.build_body_shares(no_slip_.nodes(), no_slip_.distance(), no_slip_.number(), no_slip_.moves(),
-                                   shares_.data());
+        builder_.build_body_shares(
+            no_slip_.nodes(), no_slip_.distance(), no_slip_.number(), no_slip_.moves(), shares_.data());
     }
     find_lengths(solids);
 }

@@ -24,12 +24,14 @@ public:
     bool any() const { return any_; } // liquid slides along some solid
     // Local. `solids` and `liquid` are those of all solids, of the window of the halo.
     void update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids, const LevelSet& liquid,
-                FractionMethod method);
+        FractionMethod method);
     const SlipSolids& slip() const { return slip_; }
     const FaceShares& shares() const { return shares_; } // of bodies that grip
     const Solids& no_slip() const { return no_slip_; }
     const FractionBuilder& no_slip_fractions() const { return builder_; }
-    const Array<double>& lengths() const { return lengths_; } // [6 sides, then bodies] 0: no slip, infinity: does not hold [m]
+    const Array<double>& lengths() const {
+        return lengths_;
+    } // [6 sides, then bodies] 0: no slip, infinity: does not hold [m]
 
 private:
     void find_lengths(const Solids& solids);

@@ -68,8 +68,8 @@ struct CentreLoop {
         }
     }
     // dt a/2 beside a solid.
-    KOKKOS_INLINE_FUNCTION void bend_along(int solid, const int c[3], const SmallMatrix& middle, double factor,
-                                           std::ptrdiff_t i) const {
+    KOKKOS_INLINE_FUNCTION void bend_along(
+        int solid, const int c[3], const SmallMatrix& middle, double factor, std::ptrdiff_t i) const {
         double u[3], x[3], moved[3], centre[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
         mean(i, u);
         grid.centre(c, x);
@@ -139,7 +139,7 @@ void StepStrains::find(const Scene& scene) {
     for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) clear(shear_.axis[e], n);
     if (scene.halo.owned().empty()) return;
     CentreLoop loop{scene.grid, window, within(window, 1, dimensions), {1, 1, 1}, scene.velocity, scene.mass,
-                    scene.fractions.cell_fluid, scene.solids.number(), scene.solids.motion(), scene.before, scene.dt, {}, {}};
+        scene.fractions.cell_fluid, scene.solids.number(), scene.solids.motion(), scene.before, scene.dt, {}, {}};
     for (int k = 1; k < 3; ++k) loop.stride[k] = loop.stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
     for (int k = 0; k < 6; ++k) loop.out[k] = centre_[k], loop.path[k] = path_[k];
     Kokkos::parallel_for("treacle::step_strains", static_cast<int>(loop.box.size()), loop);
@@ -148,12 +148,13 @@ void StepStrains::find(const Scene& scene) {
     for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) {
         const int a = (e + 1) % 3, b = (e + 2) % 3;
         Kokkos::parallel_for("treacle::step_shear", static_cast<int>(inner.size()),
-                             EdgeLoop{window, inner, loop.stride[a], loop.stride[b], centre_[pair_of(math::min(a, b), math::max(a, b))],
-                                      shear_.axis[e]});
+            EdgeLoop{window, inner, loop.stride[a], loop.stride[b], centre_[pair_of(math::min(a, b), math::max(a, b))],
+                shear_.axis[e]});
     }
 }
 
-void StepStrains::add_flux(const MacGrid& grid, const CellHalo& halo, const FaceField& open, const Array<double>& inflow) const {
+void StepStrains::add_flux(
+    const MacGrid& grid, const CellHalo& halo, const FaceField& open, const Array<double>& inflow) const {
     const CellBox window = halo.window(), owned = halo.owned();
     std::ptrdiff_t stride[3] = {1, 1, 1};
     for (int k = 1; k < 3; ++k) stride[k] = stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
@@ -161,13 +162,14 @@ void StepStrains::add_flux(const MacGrid& grid, const CellHalo& halo, const Face
         const auto area = open.axis[a], path = path_[a], rise = path_[3 + a];
         const auto step = stride[a];
         const double half = 0.5 * grid.dx;
-        Kokkos::parallel_for("treacle::bent_flux", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
-            int c[3];
-            owned.cell(n, c);
-            const int i = window.index(c[0], c[1], c[2]);
-            const double lower = area(i), upper = area(i + step);
-            inflow(i) -= (upper - lower) * path(i) + (upper + lower) * half * rise(i);
-        });
+        Kokkos::parallel_for(
+            "treacle::bent_flux", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+                int c[3];
+                owned.cell(n, c);
+                const int i = window.index(c[0], c[1], c[2]);
+                const double lower = area(i), upper = area(i + step);
+                inflow(i) -= (upper - lower) * path(i) + (upper + lower) * half * rise(i);
+            });
     }
 }
 

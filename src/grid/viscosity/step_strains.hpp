@@ -39,7 +39,7 @@ public:
 private:
     Array<double> centre_[6]; // xx, yy, zz, xy, yz, zx
     Array<double> normal_[3];
-    Array<double> path_[6];   // dt a/2 at the centre [m/s], and how each component rises along its own axis [1/s]
+    Array<double> path_[6]; // dt a/2 at the centre [m/s], and how each component rises along its own axis [1/s]
     EdgeField shear_;
 };
 

@@ -32,7 +32,8 @@ Viscosity::Viscosity(const Comm& comm, ViscosityOptions options, Coupling coupli
     : comm_(comm), options_(options), state_(new State{{comm, options, coupling}, {}, {}, {}}) {}
 Viscosity::~Viscosity() = default;
 
-ViscosityReport Viscosity::solve(const ViscousScene& scene, const FaceField& velocity, rigid::RigidBodies& bodies, double dt) {
+ViscosityReport Viscosity::solve(
+    const ViscousScene& scene, const FaceField& velocity, rigid::RigidBodies& bodies, double dt) {
     auto& [problem, b, x, scratch] = *state_;
     problem.build(scene, velocity, bodies, dt);
     b.assign(problem.rows(), 0.0);
@@ -46,10 +47,10 @@ ViscosityReport Viscosity::solve(const ViscousScene& scene, const FaceField& vel
     report.solve = problem.solve(b, x, solve::ConvergenceTest::residual(options_.residual));
     if (!report.solve.converged()) {
         throw SimulationError({"method.viscosity", report.solve.reason,
-                               "the viscous system of " + std::to_string(report.unknowns) + " faces has not been solved: relative residual " +
-                                   format_number(report.solve.relative_residual) + " after " +
-                                   std::to_string(report.solve.iterations) + " iterations",
-                               "take a smaller time step, another preconditioner, or a larger residual"});
+            "the viscous system of " + std::to_string(report.unknowns) +
+                " faces has not been solved: relative residual " + format_number(report.solve.relative_residual) +
+                " after " + std::to_string(report.solve.iterations) + " iterations",
+            "take a smaller time step, another preconditioner, or a larger residual"});
     }
     report.loads = problem.apply(scene, x, {}, velocity, bodies);
     return report;

@@ -25,10 +25,10 @@ struct Viscosities {
 struct SlipSolids {
     bool slides[6] = {false, false, false, false, false, false}; // sides of the domain, -x, +x, -y, ...
     double side[6] = {0, 0, 0, 0, 0, 0};                         // their places along their axes [m]
-    Fractions grip;           // of the solids that grip alone: cell_fluid, face_fluid, edge_fluid, open
-    Array<double> length;     // [window] slip length of the solid near the cell [m], infinity: none of its tangents holds
-    Array<int> body;          // [window] its number, Solids::number: < 0 no body
-    Array<double> distance;   // [window] of the cells' centres from the nearest solid, < 0 in it [m]
+    Fractions grip;         // of the solids that grip alone: cell_fluid, face_fluid, edge_fluid, open
+    Array<double> length;   // [window] slip length of the solid near the cell [m], infinity: none of its tangents holds
+    Array<int> body;        // [window] its number, Solids::number: < 0 no body
+    Array<double> distance; // [window] of the cells' centres from the nearest solid, < 0 in it [m]
 };
 
 // Input of a solve. All arrays over the window of the halo, with valid values in all its cells.
@@ -47,7 +47,7 @@ struct ViscousScene {
     // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid
     // within to the normal velocity of what it slides along.
     const Array<double>* distance = nullptr;
-    const RestingSolids* resting = nullptr; // those that grip; then there are loads on all solids at rest
+    const RestingSolids* resting = nullptr;   // those that grip; then there are loads on all solids at rest
     const VolumeStiffness* volumes = nullptr; // adds to the matrix where the pressure acts in the same solve
 };
 
@@ -56,7 +56,7 @@ struct ViscosityReport {
     solve::SolveReport solve;
     std::int64_t unknowns = 0; // faces, over all ranks
     std::int64_t entries = 0;  // stored in the matrix, over all ranks
-    std::vector<double> loads;  // on bodies that move, 6 numbers each [N], [N m]
+    std::vector<double> loads; // on bodies that move, 6 numbers each [N], [N m]
 };
 
 class ViscousProblem;
@@ -84,7 +84,7 @@ public:
     solve::Matrix* matrix();
     std::span<const double> right_hand_side() const;
 
-    std::size_t bytes() const; // what this rank holds
+    std::size_t bytes() const;                                   // what this rank holds
     const ViscosityOptions& options() const { return options_; } // as given to the constructor
 
 private:

@@ -22,7 +22,8 @@ void ViscousBodies::prepare(std::size_t solids) {
     columns_.clear();
 }
 
-void ViscousBodies::list(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion) {
+void ViscousBodies::list(
+    const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion) {
     const auto& shares = scene.shares;
     const OwnedFaces all{owned, faces.window, faces.dimensions};
     ListLoop loop{faces, all, {shares[0], shares[1], shares[2]}, motion, scene.grid, {}, {}, {}, false};
@@ -50,12 +51,13 @@ void ViscousBodies::list(const ViscousScene& scene, const ViscousFaces& faces, c
 
 void ViscousBodies::add_stiffness(int b, const double* left, int other, const double* right, double factor) {
     for (std::size_t k = 0; k < 6; ++k) {
-        for (std::size_t l = 0; l < 6; ++l) stiffness_[(at(b) + k) * size_ + at(other) + l] += factor * left[k] * right[l];
+        for (std::size_t l = 0; l < 6; ++l)
+            stiffness_[(at(b) + k) * size_ + at(other) + l] += factor * left[k] * right[l];
     }
 }
 
-void ViscousBodies::list_surfaces(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned,
-                                  const BodyMotion& motion) {
+void ViscousBodies::list_surfaces(
+    const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion) {
     SurfaceLoop loop{faces, owned, motion, scene.grid, {}, false};
     const int cells = static_cast<int>(owned.size());
     reserve(surface_.first, static_cast<std::size_t>(cells) + 1);
@@ -87,19 +89,22 @@ void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
             for (int b = 0; b < faces.dimensions; ++b) {
                 const double k = traction[ViscousFaces::component(a, b)](i);
                 add_stiffness(body(at), u.data() + 6 * (at + a), body(at), u.data() + 6 * (at + b), k);
-                for (std::size_t l = 0; l < 6; ++l) held_[6 * static_cast<std::size_t>(body(at)) + l] -= k * bend[b](i) * u(6 * static_cast<std::size_t>(at + a) + l);
+                for (std::size_t l = 0; l < 6; ++l)
+                    held_[6 * static_cast<std::size_t>(body(at)) + l] -=
+                        k * bend[b](i) * u(6 * static_cast<std::size_t>(at + a) + l);
             }
         }
     }
 }
 
 // On the host, where the solver is, in the order of the faces.
-void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& system, const CellBox& owned,
-                              const FaceField& velocity) {
+void ViscousBodies::sum_faces(
+    const ViscousFaces& faces, const ViscousSystem& system, const CellBox& owned, const FaceField& velocity) {
     struct Host {
         Array<int>::HostMirror first, last, body;
         Array<double>::HostMirror u;
-        explicit Host(const List& list) : first(on_host(list.first)), last(on_host(list.last)), body(on_host(list.body)), u(on_host(list.u)) {}
+        explicit Host(const List& list)
+            : first(on_host(list.first)), last(on_host(list.last)), body(on_host(list.body)), u(on_host(list.u)) {}
         const double* at(int k) const { return u.data() + 6 * static_cast<std::size_t>(k); }
     };
     const Host pulled(stress_coupling_), slipped(slip_coupling_), moved(moved_);
@@ -112,17 +117,21 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
     const OwnedFaces all{owned, faces.window, faces.dimensions};
     for (int a = 0; a < faces.dimensions; ++a) {
         const auto role = on_host(faces.role[a]), row = on_host(system.row_of(a));
-        const auto share = on_host(faces.share.axis[a]), mass = on_host(faces.mass.axis[a]), u = on_host(velocity.axis[a]);
+        const auto share = on_host(faces.share.axis[a]), mass = on_host(faces.mass.axis[a]),
+                   u = on_host(velocity.axis[a]);
         const auto bend = on_host(faces.bend.axis[a]);
         for (int n = a; n < all.count(); n += faces.dimensions) {
-            if (pulled.first(n) == pulled.last(n) && moved.first(n) == moved.last(n) && slipped.first(n) == slipped.last(n)) continue;
+            if (pulled.first(n) == pulled.last(n) && moved.first(n) == moved.last(n) &&
+                slipped.first(n) == slipped.last(n))
+                continue;
             int axis, c[3];
             const auto i = all.place(n, axis, c);
             const int local = row(i) - static_cast<int>(system.first_row());
             for (int k = pulled.first(n); k < pulled.last(n); ++k) {
                 const double* const pull = pulled.at(k);
                 if (role(i) == unknown_face) couple(local, share(i), pulled.body(k), pull);
-                for (int m = moved.first(n); m < moved.last(n); ++m) add_stiffness(moved.body(m), moved.at(m), pulled.body(k), pull, 1);
+                for (int m = moved.first(n); m < moved.last(n); ++m)
+                    add_stiffness(moved.body(m), moved.at(m), pulled.body(k), pull, 1);
             }
             for (int k = slipped.first(n); k < slipped.last(n); ++k) {
                 const double* const pull = slipped.at(k);
@@ -139,14 +148,15 @@ void ViscousBodies::sum_faces(const ViscousFaces& faces, const ViscousSystem& sy
             }
             if (role(i) != prescribed_face) continue;
             for (int m = moved.first(n); m < moved.last(n); ++m) {
-                for (int k = moved.first(n); k < moved.last(n); ++k) add_stiffness(moved.body(m), moved.at(m), moved.body(k), moved.at(k), mass(i));
+                for (int k = moved.first(n); k < moved.last(n); ++k)
+                    add_stiffness(moved.body(m), moved.at(m), moved.body(k), moved.at(k), mass(i));
             }
         }
     }
 }
 
-void ViscousBodies::build(const Comm& comm, const ViscousScene& scene, const ViscousFaces& faces, const ViscousSystem& system,
-                          const BodyMotion& motion, const FaceField& velocity) {
+void ViscousBodies::build(const Comm& comm, const ViscousScene& scene, const ViscousFaces& faces,
+    const ViscousSystem& system, const BodyMotion& motion, const FaceField& velocity) {
     coupling_.clear();
     stiffness_.assign(size_ * size_, 0.0);
     held_.assign(size_, 0.0);
@@ -209,7 +219,8 @@ template <class Entries>
 std::vector<double> pull_of(const Entries& entries, std::size_t size, std::span<const double> x) {
     std::vector<double> out(size, 0.0);
     for (const auto& entry : entries) {
-        for (std::size_t l = 0; l < 6; ++l) out[at(entry.body) + l] += entry.u[l] * x[static_cast<std::size_t>(entry.row)];
+        for (std::size_t l = 0; l < 6; ++l)
+            out[at(entry.body) + l] += entry.u[l] * x[static_cast<std::size_t>(entry.row)];
     }
     return out;
 }
@@ -223,9 +234,12 @@ std::vector<double> ViscousBodies::forces(std::span<const double> loads) const {
     return out;
 }
 
-std::vector<double> ViscousBodies::project(std::span<const double> x) const { return forces(pull_of(coupling_, size_, x)); }
+std::vector<double> ViscousBodies::project(std::span<const double> x) const {
+    return forces(pull_of(coupling_, size_, x));
+}
 
-std::vector<double> ViscousBodies::loads(const Comm& comm, std::span<const double> u, std::span<const double> velocities) const {
+std::vector<double> ViscousBodies::loads(
+    const Comm& comm, std::span<const double> u, std::span<const double> velocities) const {
     auto out = pull_of(coupling_, size_, u);
     comm.sum(std::span(out));
     for (std::size_t k = 0; k < size_; ++k) {

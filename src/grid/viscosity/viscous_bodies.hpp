@@ -25,7 +25,7 @@ public:
 
     // Collective: C, G, h for an assembled system.
     void build(const Comm& comm, const ViscousScene& scene, const ViscousFaces& faces, const ViscousSystem& system,
-               const BodyMotion& motion, const FaceField& velocity);
+        const BodyMotion& motion, const FaceField& velocity);
 
     // 1/dt + L^T G L, unknowns x unknowns.
     std::vector<double> block(double dt) const;
@@ -53,7 +53,8 @@ public:
     };
     // Parts of build(); not private, since nvcc takes no kernel in a private function.
     void list(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion);
-    void list_surfaces(const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion);
+    void list_surfaces(
+        const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion);
 
 private:
     struct Entry {
@@ -62,17 +63,18 @@ private:
     };
     void add_stiffness(int b, const double* left, int other, const double* right, double factor);
     void sum_slip(const ViscousFaces& faces, const CellBox& owned);
-    void sum_faces(const ViscousFaces& faces, const ViscousSystem& system, const CellBox& owned, const FaceField& velocity);
+    void sum_faces(
+        const ViscousFaces& faces, const ViscousSystem& system, const CellBox& owned, const FaceField& velocity);
 
     std::vector<std::vector<double>> columns_; // of L, 6 numbers a body
     std::size_t size_ = 0;                     // 6 numbers a body
-    List stress_coupling_; // (D^T K D W_S R) of a face: what a body's motion pulls at it, per unit of its share
-    List slip_coupling_; // the same by slip surfaces, whose bodies have no share in faces
-    List moved_;   // W_S R of a face
-    List surface_; // of slip surfaces, by owned cells: R along each axis
+    List stress_coupling_;        // (D^T K D W_S R) of a face: what a body's motion pulls at it, per unit of its share
+    List slip_coupling_;          // the same by slip surfaces, whose bodies have no share in faces
+    List moved_;                  // W_S R of a face
+    List surface_;                // of slip surfaces, by owned cells: R along each axis
     std::vector<Entry> coupling_; // C
     Array<double> given_pull_{"treacle::given_pull", 0}; // [owned faces] D^T K (e - D W_S bend) and of slip surfaces
-    std::vector<double> stiffness_, held_; // G [size][size], h [size]
+    std::vector<double> stiffness_, held_;               // G [size][size], h [size]
 };
 
 } // namespace treacle::grid

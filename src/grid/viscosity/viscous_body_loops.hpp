@@ -39,8 +39,8 @@ struct ListLoop {
             use(of.body(k), u);
         }
     }
-    KOKKOS_INLINE_FUNCTION static void add(const ViscousBodies::List& to, int first, int& count, int body,
-                                           const double u[6], double factor) {
+    KOKKOS_INLINE_FUNCTION static void add(
+        const ViscousBodies::List& to, int first, int& count, int body, const double u[6], double factor) {
         int k = first;
         while (k < first + count && to.body(k) != body) ++k;
         if (k == first + count) {
@@ -58,13 +58,13 @@ struct ListLoop {
         if (!write) {
             int around = 0;
             if (feels) {
-                faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double) {
-                    around += shares[b].first(j + 1) - shares[b].first(j);
-                });
+                faces.each_entry(a, i,
+                    [&](int b, std::ptrdiff_t j, double) { around += shares[b].first(j + 1) - shares[b].first(j); });
             }
             int slips = 0;
             if (feels && faces.slips) {
-                slips = static_cast<int>(faces.slip_body(i) >= 0) + static_cast<int>(faces.slip_body(i - faces.stride[a]) >= 0);
+                slips = static_cast<int>(faces.slip_body(i) >= 0) +
+                        static_cast<int>(faces.slip_body(i - faces.stride[a]) >= 0);
             }
             moved.first(n) = own;
             pulled.first(n) = around;
@@ -79,7 +79,8 @@ struct ListLoop {
         count = 0;
         if (feels && pulled.first(n + 1) > pulled.first(n)) {
             faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double entry) {
-                each_body(b, j, [&](int body, const double u[6]) { add(pulled, pulled.first(n), count, body, u, entry); });
+                each_body(
+                    b, j, [&](int body, const double u[6]) { add(pulled, pulled.first(n), count, body, u, entry); });
             });
         }
         pulled.last(n) = pulled.first(n) + count;

@@ -14,30 +14,32 @@ struct ViscousFaces {
     CellBox window;
     std::ptrdiff_t stride[3]{1, 1, 1};
     int dimensions = 3;
-    Array<double> normal;   // w of the stresses xx, yy, zz at the centre [kg/s]
-    EdgeField shear;        // w of the shear stress at the edge [kg/s]
-    Array<int> role[3];     // FaceRole
-    FaceField share;        // W_F of free faces, else 0
-    FaceField scale;        // of the bodies' shares in a face's cube: W_S = scale * share of the body
-    FaceField mass;         // of the liquid, over dt [kg/s]
-    FaceField solid;        // sum W_S R V of the bodies as they move now [m/s], with their bend
-    FaceField bend;         // of that what BodyMotion::bend gives, and sides of the domain that move
+    Array<double> normal; // w of the stresses xx, yy, zz at the centre [kg/s]
+    EdgeField shear;      // w of the shear stress at the edge [kg/s]
+    Array<int> role[3];   // FaceRole
+    FaceField share;      // W_F of free faces, else 0
+    FaceField scale;      // of the bodies' shares in a face's cube: W_S = scale * share of the body
+    FaceField mass;       // of the liquid, over dt [kg/s]
+    FaceField solid;      // sum W_S R V of the bodies as they move now [m/s], with their bend
+    FaceField bend;       // of that what BodyMotion::bend gives, and sides of the domain that move
     bool strained = false;
-    Array<double> strain[3]; // normal strain rates at the centres that no stress resists [m/s over dx], step_strains.hpp
-    EdgeField shear_strain;  // and twice the shear strain rates at edges
-    double dx = 0;           // [m]
+    Array<double>
+        strain[3];          // normal strain rates at the centres that no stress resists [m/s over dx], step_strains.hpp
+    EdgeField shear_strain; // and twice the shear strain rates at edges
+    double dx = 0;          // [m]
     bool slips = false;
     Array<double> traction[6]; // xx, yy, zz, xy, yz, zx of the cell's slip surface: force = -traction (u - V) [kg/s]
-    FaceField slip_interpolation_weight;            // share that face i has, against face i + stride, in the velocity at a cell's slip surface
-    Array<int> slip_body;      // whose surface slips in a cell, < 0: of no body
-    Array<double> wall[3];     // the velocity of that solid there [m/s]
+    FaceField
+        slip_interpolation_weight; // share that face i has, against face i + stride, in the velocity at a cell's slip surface
+    Array<int> slip_body;          // whose surface slips in a cell, < 0: of no body
+    Array<double> wall[3];         // the velocity of that solid there [m/s]
     Array<double> wall_bend[3]; // of that what sides of the domain have that move
     VolumeStiffness volumes;    // of cells whose volume the matrix holds, too
 
     // The stresses beside face i across a: use(where), with where = 0 … 3 (2 in 2D): edges, and the two centres.
     template <class Use>
-    KOKKOS_INLINE_FUNCTION void each_stress(int a, std::ptrdiff_t i, const Array<double>& centre, const EdgeField& edge,
-                                            const Use& use) const {
+    KOKKOS_INLINE_FUNCTION void each_stress(
+        int a, std::ptrdiff_t i, const Array<double>& centre, const EdgeField& edge, const Use& use) const {
         use(centre(i));
         use(centre(i - stride[a]));
         for (int b = 0; b < dimensions; ++b) {
@@ -101,7 +103,8 @@ struct ViscousFaces {
         if (!slips) return;
         for (int side = 0; side < 2; ++side) {
             const std::ptrdiff_t cell = side == 0 ? i : i - stride[a];
-            const double part = side == 0 ? slip_interpolation_weight.axis[a](cell) : 1 - slip_interpolation_weight.axis[a](cell);
+            const double part =
+                side == 0 ? slip_interpolation_weight.axis[a](cell) : 1 - slip_interpolation_weight.axis[a](cell);
             for (int b = 0; b < dimensions; ++b) {
                 const double k = traction[component(a, b)](cell);
                 if (k != 0) use(cell, b, k * part);
@@ -109,7 +112,9 @@ struct ViscousFaces {
         }
     }
     // Index of a component among xx, yy, zz, xy, yz, zx.
-    KOKKOS_INLINE_FUNCTION static int component(int a, int b) { return a == b ? a : (a + b == 1 ? 3 : (a + b == 3 ? 4 : 5)); }
+    KOKKOS_INLINE_FUNCTION static int component(int a, int b) {
+        return a == b ? a : (a + b == 1 ? 3 : (a + b == 3 ? 4 : 5));
+    }
     // Point at which the velocity along b of the slip surface of cell c is taken.
     KOKKOS_INLINE_FUNCTION void slip_point(const MacGrid& grid, int b, const int c[3], double x[3]) const {
         grid.face(b, c, x);

@@ -6,7 +6,8 @@
 namespace treacle::grid {
 
 namespace {
-constexpr double aligned = 1 - 1e-8; // cosine between the normal of a surface and an axis from which it is along the faces
+constexpr double aligned =
+    1 - 1e-8; // cosine between the normal of a surface and an axis from which it is along the faces
 
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
@@ -48,13 +49,15 @@ struct RoleLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         const auto i = inner.place(n, c);
-        const double push = with_pressure ? pressure_faces.effective_area_fraction(axis, static_cast<std::size_t>(i)) : -1;
+        const double push =
+            with_pressure ? pressure_faces.effective_area_fraction(axis, static_cast<std::size_t>(i)) : -1;
         bool stressed = false, tight = false;
         faces.each_stress(axis, i, faces.normal, faces.shear, [&](double w) { stressed = stressed || w > 0; });
         faces.each_stress(axis, i, cell_fluid, edge_fluid, [&](double f) { tight = tight || f < min_fluid_fraction; });
         const bool has_liquid = wet(i) > min_liquid_fraction;
         int role = inactive_face;
-        if (has_liquid || stressed || push > 0) role = fluid(i) < min_fluid_fraction || tight ? prescribed_face : unknown_face;
+        if (has_liquid || stressed || push > 0)
+            role = fluid(i) < min_fluid_fraction || tight ? prescribed_face : unknown_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
         faces.share.axis[axis](i) = role == unknown_face ? fluid(i) : 0.0;
@@ -140,12 +143,14 @@ struct TractionLoop {
         return math::sqrt(squares);
     }
     // Adds across n nT + along (1 - n nT), 1/m each, times the area.
-    KOKKOS_INLINE_FUNCTION void add(std::ptrdiff_t i, const double n[3], double size, double across, double along) const {
+    KOKKOS_INLINE_FUNCTION void add(
+        std::ptrdiff_t i, const double n[3], double size, double across, double along) const {
         const double whole = area * size * viscosity(i) * wet(i) / fluid(i);
         for (int k = 0; k < faces.dimensions; ++k) {
             for (int l = k; l < faces.dimensions; ++l) {
                 const double nn = n[k] * n[l] / (size * size);
-                faces.traction[ViscousFaces::component(k, l)](i) += whole * (across * nn + along * ((k == l ? 1.0 : 0.0) - nn));
+                faces.traction[ViscousFaces::component(k, l)](i) +=
+                    whole * (across * nn + along * ((k == l ? 1.0 : 0.0) - nn));
             }
         }
     }
@@ -249,11 +254,13 @@ void ViscousParts::weigh_stresses(const ViscousScene& scene, const ViscosityOpti
                            double k, Array<double>& out) {
         make_room(f.cell_liquid_clipped, {&out});
         Kokkos::parallel_for("treacle::weigh_stresses", n,
-                             StressLoop{viscosity, wet, fluid, out, k * length, options.min_liquid_fraction, options.min_fluid_fraction});
+            StressLoop{
+                viscosity, wet, fluid, out, k * length, options.min_liquid_fraction, options.min_fluid_fraction});
     };
     weigh(scene.viscosity.cell, f.cell_liquid_clipped, grip.cell_fluid, 2, faces_.normal);
     for (int e = scene.grid.dimensions == 3 ? 0 : 2; e < 3; ++e) {
-        weigh(scene.viscosity.edge.axis[e], f.edge_liquid_clipped.axis[e], grip.edge_fluid.axis[e], 1, faces_.shear.axis[e]);
+        weigh(scene.viscosity.edge.axis[e], f.edge_liquid_clipped.axis[e], grip.edge_fluid.axis[e], 1,
+            faces_.shear.axis[e]);
     }
 }
 
@@ -271,12 +278,14 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
     for (int a = 0; a < faces_.dimensions; ++a) {
         make_room(f.cell_liquid_clipped, {&faces_.slip_interpolation_weight.axis[a]});
         Kokkos::parallel_for("treacle::lean_slip", inner.count(),
-                             SlipWeightLoop{f.face_liquid_clipped.axis[a], faces_.slip_interpolation_weight.axis[a], faces_.stride[a], inner});
+            SlipWeightLoop{
+                f.face_liquid_clipped.axis[a], faces_.slip_interpolation_weight.axis[a], faces_.stride[a], inner});
     }
     Kokkos::parallel_for("treacle::weigh_slip", second.count(),
-                         TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_liquid_clipped, f.cell_fluid,
-                                      scene.viscosity.cell, scene.slip->length, scene.distance ? *scene.distance : Array<double>(), *scene.slip, scene.grid,
-                                      faces_.dimensions == 3 ? dx * dx : dx, options.min_liquid_fraction, options.no_penetration_layer * dx, dx});
+        TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_liquid_clipped, f.cell_fluid,
+            scene.viscosity.cell, scene.slip->length, scene.distance ? *scene.distance : Array<double>(), *scene.slip,
+            scene.grid, faces_.dimensions == 3 ? dx * dx : dx, options.min_liquid_fraction,
+            options.no_penetration_layer * dx, dx});
 }
 
 void ViscousParts::classify_faces(const ViscousScene& scene, const ViscosityOptions& options, double dt) {
@@ -284,16 +293,17 @@ void ViscousParts::classify_faces(const ViscousScene& scene, const ViscosityOpti
     const auto& grip = scene.slip ? scene.slip->grip : f;
     const Inner inner(faces_.window, faces_.dimensions);
     for (int a = 0; a < faces_.dimensions; ++a) {
-        make_room(f.cell_liquid_clipped, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a], &faces_.solid.axis[a], &faces_.bend.axis[a]});
+        make_room(f.cell_liquid_clipped, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a],
+                                             &faces_.solid.axis[a], &faces_.bend.axis[a]});
         if (faces_.role[a].extent(0) < f.cell_liquid_clipped.extent(0)) {
             reserve(faces_.role[a], f.cell_liquid_clipped.extent(0));
             Kokkos::deep_copy(faces_.role[a], int(inactive_face));
         }
         Kokkos::parallel_for("treacle::classify_faces", inner.count(),
-                             RoleLoop{faces_, inner, a, f.face_liquid_clipped.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
-                                      grip.edge_fluid, options.min_liquid_fraction, options.min_fluid_fraction,
-                                      scene.density * cube_volume(scene.grid) / dt,
-                                      scene.pressure_faces ? *scene.pressure_faces : PressureFaces(), scene.pressure_faces != nullptr});
+            RoleLoop{faces_, inner, a, f.face_liquid_clipped.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
+                grip.edge_fluid, options.min_liquid_fraction, options.min_fluid_fraction,
+                scene.density * cube_volume(scene.grid) / dt,
+                scene.pressure_faces ? *scene.pressure_faces : PressureFaces(), scene.pressure_faces != nullptr});
     }
 }
 
@@ -302,7 +312,7 @@ void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& moti
     const bool sides = scene.resting && scene.resting->any_moves();
     if (faces_.slips && (motion.bodies > 0 || sides)) {
         Kokkos::parallel_for("treacle::move_slip_surfaces", inner.count(),
-                             WallLoop{faces_, inner, motion, sides ? scene.resting->motion() : BodyMotion(), scene.grid});
+            WallLoop{faces_, inner, motion, sides ? scene.resting->motion() : BodyMotion(), scene.grid});
     }
     for (int a = 0; a < faces_.dimensions; ++a) {
         if (motion.bodies == 0) {
@@ -310,7 +320,7 @@ void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& moti
             Kokkos::deep_copy(faces_.bend.axis[a], 0.0);
         } else {
             Kokkos::parallel_for("treacle::move_solids", inner.count(),
-                                 SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
+                SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
         }
         if (!sides) continue;
         for (const auto& out : {faces_.solid.axis[a], faces_.bend.axis[a]}) {
@@ -319,7 +329,8 @@ void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& moti
     }
 }
 
-void ViscousParts::build(const ViscousScene& scene, const ViscosityOptions& options, const BodyMotion& motion, double dt) {
+void ViscousParts::build(
+    const ViscousScene& scene, const ViscosityOptions& options, const BodyMotion& motion, double dt) {
     faces_.window = scene.halo.window();
     faces_.dimensions = scene.grid.dimensions;
     for (int k = 1; k < 3; ++k) {
@@ -343,7 +354,8 @@ std::size_t ViscousParts::bytes() const {
     std::size_t total = faces_.normal.span();
     for (int a = 0; a < 3; ++a) {
         total += faces_.shear.axis[a].span();
-        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend, &faces_.slip_interpolation_weight}) {
+        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend,
+                 &faces_.slip_interpolation_weight}) {
             total += field->axis[a].span();
         }
     }

@@ -24,6 +24,8 @@ private:
 };
 
 // Volume of a cube [m3], of a 2D scene per metre of depth [m2].
-inline double cube_volume(const MacGrid& grid) { return grid.dimensions == 3 ? grid.dx * grid.dx * grid.dx : grid.dx * grid.dx; }
+inline double cube_volume(const MacGrid& grid) {
+    return grid.dimensions == 3 ? grid.dx * grid.dx * grid.dx : grid.dx * grid.dx;
+}
 
 } // namespace treacle::grid

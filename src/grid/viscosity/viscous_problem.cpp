@@ -19,24 +19,25 @@ solve::Preconditioner translate(Preconditioner kind) {
 }
 
 void gather_faces(const FaceField& velocity, const Array<int>& place_of, int n, const Array<double>& x) {
-    Kokkos::parallel_for("treacle::viscous_guess", n,
-                         KOKKOS_LAMBDA(int r) { x(r) = velocity.axis[place_of(r) % 3](place_of(r) / 3); });
+    Kokkos::parallel_for(
+        "treacle::viscous_guess", n, KOKKOS_LAMBDA(int r) { x(r) = velocity.axis[place_of(r) % 3](place_of(r) / 3); });
 }
 
 void scatter_faces(const Array<double>& x, const Array<int>& place_of, int n, const FaceField& velocity) {
-    Kokkos::parallel_for("treacle::viscous_result", n,
-                         KOKKOS_LAMBDA(int r) { velocity.axis[place_of(r) % 3](place_of(r) / 3) = x(r); });
+    Kokkos::parallel_for(
+        "treacle::viscous_result", n, KOKKOS_LAMBDA(int r) { velocity.axis[place_of(r) % 3](place_of(r) / 3) = x(r); });
 }
 
 void hold_faces(const ViscousFaces& faces, const CellBox& owned, const FaceField& velocity) {
-    Kokkos::parallel_for("treacle::held_faces", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
-        int c[3];
-        owned.cell(n, c);
-        const int i = faces.window.index(c[0], c[1], c[2]);
-        for (int a = 0; a < faces.dimensions; ++a) {
-            if (faces.role[a](i) == prescribed_face) velocity.axis[a](i) = faces.solid.axis[a](i);
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::held_faces", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+            int c[3];
+            owned.cell(n, c);
+            const int i = faces.window.index(c[0], c[1], c[2]);
+            for (int a = 0; a < faces.dimensions; ++a) {
+                if (faces.role[a](i) == prescribed_face) velocity.axis[a](i) = faces.solid.axis[a](i);
+            }
+        });
 }
 } // namespace
 
@@ -111,11 +112,13 @@ void ViscousProblem::make_matrix() {
     block_ = coupled_ > 0 ? bodies_.block(dt_) : std::vector<double>();
     if (system_.extra() > 0) {
         for (int r = 0; r < coupled_; ++r) {
-            for (int c = 0; c < coupled_; ++c) system_.extra_entry(r, c) = block_[static_cast<std::size_t>(r * coupled_ + c)];
+            for (int c = 0; c < coupled_; ++c)
+                system_.extra_entry(r, c) = block_[static_cast<std::size_t>(r * coupled_ + c)];
         }
     }
     matrix_.emplace(comm_, system_.blocks());
-    if (coupled_ > 0) matrix_->set_matrix_free_term([this](std::span<const double> from, std::span<double> to) { couple(from, to); });
+    if (coupled_ > 0)
+        matrix_->set_matrix_free_term([this](std::span<const double> from, std::span<double> to) { couple(from, to); });
 }
 
 // y += C L q on the faces, L^T C^T x on the rows of the bodies, which stand behind the faces of rank 0: one sum.
@@ -123,7 +126,9 @@ void ViscousProblem::couple(std::span<const double> from, std::span<double> to) 
     const auto n = faces(), m = static_cast<std::size_t>(coupled_);
     auto shared = bodies_.project(from.first(n));
     shared.resize(2 * m, 0.0);
-    if (comm_.is_root()) std::copy(from.begin() + static_cast<std::ptrdiff_t>(n), from.end(), shared.begin() + static_cast<std::ptrdiff_t>(m));
+    if (comm_.is_root())
+        std::copy(
+            from.begin() + static_cast<std::ptrdiff_t>(n), from.end(), shared.begin() + static_cast<std::ptrdiff_t>(m));
     comm_.sum(std::span(shared));
     bodies_.add_coupling(std::span(shared).last(m), to.first(n));
     if (!comm_.is_root()) return;
@@ -135,7 +140,8 @@ void ViscousProblem::find_places(const ViscousScene& scene, const rigid::RigidBo
     parts_.build(scene, options_, motion_, dt);
 }
 
-void ViscousProblem::build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt) {
+void ViscousProblem::build(
+    const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt) {
     dt_ = dt;
     before_ = body_velocities(bodies);
     has_moving_bodies_ = bodies.any_moves();
@@ -186,7 +192,8 @@ std::vector<double> ViscousProblem::changes(std::span<const double> q) const {
     return bodies_.moved(std::vector<double>(before_.size(), 0.0), q);
 }
 
-std::vector<double> ViscousProblem::push(std::span<const double> x, std::span<const double> others, rigid::RigidBodies& bodies) {
+std::vector<double> ViscousProblem::push(
+    std::span<const double> x, std::span<const double> others, rigid::RigidBodies& bodies) {
     const auto u = x.first(faces());
     auto q = motions(x);
     if (coupled_ == 0) {
@@ -213,18 +220,20 @@ void ViscousProblem::load_resting(const ViscousScene& scene, std::span<const dou
         resting.renumber(faces.slip_body, static_cast<std::size_t>(faces.window.size()), resting_number_);
         faces.slip_body = resting_number_;
     }
-    const ViscousScene of_resting{scene.grid, scene.halo, scene.fractions, resting.shares(), scene.viscosity, scene.density,
-                                  scene.slip, scene.pressure_faces, scene.strains};
+    const ViscousScene of_resting{scene.grid, scene.halo, scene.fractions, resting.shares(), scene.viscosity,
+        scene.density, scene.slip, scene.pressure_faces, scene.strains};
     resting_.prepare(resting.count());
     resting_.build(comm_, of_resting, faces, system_, resting.motion(), velocity);
     resting_loads_ = resting_.loads(comm_, u, std::vector<double>(6 * resting.count(), 0.0));
 }
 
-std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<const double> x, std::span<const double> others,
-                                          const FaceField& velocity, rigid::RigidBodies& bodies) {
+std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<const double> x,
+    std::span<const double> others, const FaceField& velocity, rigid::RigidBodies& bodies) {
     std::vector<double> loads(before_.size(), 0.0);
-    if (answers_) loads = push(x, others, bodies);
-    else if (has_moving_bodies_) loads = bodies_.loads(comm_, x.first(faces()), before_);
+    if (answers_)
+        loads = push(x, others, bodies);
+    else if (has_moving_bodies_)
+        loads = bodies_.loads(comm_, x.first(faces()), before_);
     if (coupled_ > 0) {
         update_motion(bodies, scene.grid, motion_);
         if (!scene.halo.window().empty()) parts_.move_solids(scene, motion_);
@@ -236,8 +245,9 @@ std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<c
 }
 
 std::size_t ViscousProblem::bytes() const {
-    return parts_.bytes() + system_.bytes() + bodies_.bytes() + resting_.bytes() + multilevel_.bytes() + mechanisms_.bytes() + soft_pairs_.bytes() + components_.bytes() +
-           8 * (faces_.span() + places_.capacity()) + 4 * cells_.capacity() + axes_.capacity() + aside_.capacity();
+    return parts_.bytes() + system_.bytes() + bodies_.bytes() + resting_.bytes() + multilevel_.bytes() +
+           mechanisms_.bytes() + soft_pairs_.bytes() + components_.bytes() + 8 * (faces_.span() + places_.capacity()) +
+           4 * cells_.capacity() + axes_.capacity() + aside_.capacity();
 }
 
 } // namespace treacle::grid

@@ -32,7 +32,7 @@ public:
     // The faces' part of the system.
     const ViscousSystem& system() const { return system_; }
     ViscousSystem& system() { return system_; }
-    int motions() const { return coupled_; }  // of bodies that are unknowns, on all ranks
+    int motions() const { return coupled_; } // of bodies that are unknowns, on all ranks
 
     // b, for velocities of before; bodies move as they did at build().
     void right_hand_side(const FaceField& velocity, std::span<double> b);
@@ -56,7 +56,7 @@ public:
     // `others`, whose effect is already in the solution as far as the system has their motions. Returns the viscous
     // loads.
     std::vector<double> apply(const ViscousScene& scene, std::span<const double> x, std::span<const double> others,
-                              const FaceField& velocity, rigid::RigidBodies& bodies);
+        const FaceField& velocity, rigid::RigidBodies& bodies);
 
     // Loads on the solids at rest, as apply() found them: 6 numbers each, numbered as RestingSolids does, about the
     // origin [N], [N m].
@@ -92,7 +92,7 @@ private:
     std::vector<double> block_;  // of the bodies
     Array<double> faces_{"treacle::viscous_faces", 0};
     double dx_ = 0, dt_ = 0;
-    int dimensions_ = 3, coupled_ = 0; // coupled: unknowns of the bodies
+    int dimensions_ = 3, coupled_ = 0;                 // coupled: unknowns of the bodies
     bool has_moving_bodies_ = false, answers_ = false; // there are bodies that move; their motion depends on the liquid
     std::vector<int> cells_;
     std::vector<double> places_;

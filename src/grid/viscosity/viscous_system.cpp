@@ -80,7 +80,8 @@ struct RowLoop {
                 there.add(halo_place[b](j), value);
             }
         };
-        faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double entry) { add(b, j, entry * (share * faces.share.axis[b](j))); });
+        faces.each_entry(
+            a, i, [&](int b, std::ptrdiff_t j, double entry) { add(b, j, entry * (share * faces.share.axis[b](j))); });
         faces.volumes.each_entry(a, i, add);
         if (!write) {
             own.offset(r) = here.count;
@@ -108,7 +109,8 @@ struct RightLoop {
         const int a = place_of(r) % 3;
         const std::ptrdiff_t i = place_of(r) / 3;
         double pull = 0;
-        faces.each_entry(a, i, [&](int axis, std::ptrdiff_t j, double entry) { pull += entry * faces.solid.axis[axis](j); });
+        faces.each_entry(
+            a, i, [&](int axis, std::ptrdiff_t j, double entry) { pull += entry * faces.solid.axis[axis](j); });
         faces.each_slip(a, i, [&](std::ptrdiff_t cell, int axis, double k) { pull -= k * faces.wall[axis](cell); });
         b(r) = faces.mass.axis[a](i) * velocity.axis[a](i) - faces.share.axis[a](i) * (pull - faces.strain_pull(a, i));
     }
@@ -176,15 +178,15 @@ void ViscousSystem::count_entries(const ViscousFaces& faces) {
     reserve(own_.offset, n + 1);
     reserve(other_.offset, n + 1);
     Kokkos::parallel_for("treacle::count_viscous_entries", free_,
-                         RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]},
-                                 {halo_place_[0], halo_place_[1], halo_place_[2]}, place_of_, own_, other_,
-                                 static_cast<int>(first_row_), free_, false});
+        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_place_[0], halo_place_[1], halo_place_[2]},
+            place_of_, own_, other_, static_cast<int>(first_row_), free_, false});
     const int faces_here = free_, extra = extra_;
     const auto own = own_.offset, other = other_.offset;
-    Kokkos::parallel_for("treacle::count_body_entries", extra, KOKKOS_LAMBDA(int k) {
-        own(faces_here + k) = extra;
-        other(faces_here + k) = 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::count_body_entries", extra, KOKKOS_LAMBDA(int k) {
+            own(faces_here + k) = extra;
+            other(faces_here + k) = 0;
+        });
     for (auto* block : {&own_, &other_}) {
         const auto entries = static_cast<std::size_t>(counts_to_offsets(block->offset, rows()));
         reserve(block->column, entries);
@@ -194,17 +196,17 @@ void ViscousSystem::count_entries(const ViscousFaces& faces) {
 
 void ViscousSystem::fill(const ViscousFaces& faces) {
     Kokkos::parallel_for("treacle::fill_viscous_matrix", free_,
-                         RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]},
-                                 {halo_place_[0], halo_place_[1], halo_place_[2]}, place_of_, own_, other_,
-                                 static_cast<int>(first_row_), free_, true});
+        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_place_[0], halo_place_[1], halo_place_[2]},
+            place_of_, own_, other_, static_cast<int>(first_row_), free_, true});
     const int faces_here = free_, extra = extra_;
     const auto own = own_;
-    Kokkos::parallel_for("treacle::fill_body_rows", extra, KOKKOS_LAMBDA(int k) {
-        for (int l = 0; l < extra; ++l) {
-            own.column(own.offset(faces_here + k) + l) = faces_here + l;
-            own.value(own.offset(faces_here + k) + l) = 0;
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::fill_body_rows", extra, KOKKOS_LAMBDA(int k) {
+            for (int l = 0; l < extra; ++l) {
+                own.column(own.offset(faces_here + k) + l) = faces_here + l;
+                own.value(own.offset(faces_here + k) + l) = 0;
+            }
+        });
 }
 
 void ViscousSystem::assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra) {
@@ -226,7 +228,8 @@ solve::CsrBlocks ViscousSystem::blocks() {
     return solve::csr_blocks(host_own_, host_other_, halo_, {first_row_, rows(), global_rows_});
 }
 
-void ViscousSystem::right_hand_side(const ViscousFaces& faces, const FaceField& velocity, const Array<double>& b) const {
+void ViscousSystem::right_hand_side(
+    const ViscousFaces& faces, const FaceField& velocity, const Array<double>& b) const {
     Kokkos::parallel_for("treacle::viscous_right_hand_side", free_, RightLoop{faces, place_of_, velocity, b});
 }
 

@@ -16,12 +16,12 @@ public:
     // Collective.
     void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra);
 
-    int faces() const { return free_; }        // rows of this rank that are faces
-    int rows() const { return free_ + extra_; } // all
-    const CellBox& owned() const { return owned_; }           // cells whose faces are this rank's
-    std::int64_t first_row() const { return first_row_; }     // global number of this rank's first row
-    std::int64_t global_rows() const { return global_rows_; } // of all ranks, extra ones included
-    int extra() const { return extra_; } // on this rank
+    int faces() const { return free_; }                                // rows of this rank that are faces
+    int rows() const { return free_ + extra_; }                        // all
+    const CellBox& owned() const { return owned_; }                    // cells whose faces are this rank's
+    std::int64_t first_row() const { return first_row_; }              // global number of this rank's first row
+    std::int64_t global_rows() const { return global_rows_; }          // of all ranks, extra ones included
+    int extra() const { return extra_; }                               // on this rank
     const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
     const Array<int>& place_of() const { return place_of_; } // [faces()] place in the window times 3 plus the axis
 

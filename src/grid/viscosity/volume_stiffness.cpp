@@ -56,8 +56,8 @@ void VolumeStresses::find(Pressure& pressure, const ViscousFaces& viscous, CellH
     for (const auto& entry : pressure.coupling().entries()) by_body(static_cast<std::size_t>(entry.row)) = 1;
     Kokkos::deep_copy(by_body_, by_body);
     Kokkos::parallel_for("treacle::volume_stiffness", system.rows(),
-                         StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face,
-                                       exact_share(held_.faces.dimensions), by_row_, held_by_row_, held_.held});
+        StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face, exact_share(held_.faces.dimensions),
+            by_row_, held_by_row_, held_.held});
     halo.gather({held_.held});
 }
 

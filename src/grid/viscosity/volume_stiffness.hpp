@@ -15,7 +15,8 @@ struct VolumeStiffness {
 
     // True when any cell beside the face resists.
     KOKKOS_INLINE_FUNCTION bool holds(int a, std::ptrdiff_t i) const {
-        return held.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 && (held(i) > 0 || held(i - faces.stride[a]) > 0);
+        return held.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 &&
+               (held(i) > 0 || held(i - faces.stride[a]) > 0);
     }
     // Row (a, i): use(b, j, entry) for each face j across b that it meets, itself twice.
     template <class Use>
@@ -49,7 +50,9 @@ public:
     // [rows of the pressure] pressure by flux, the part that the matrix holds included [Pa s/m3].
     const Array<double>& by_row() const { return by_row_; }
     const Array<double>& held_by_row() const { return held_by_row_; } // that part alone
-    std::size_t bytes() const { return 8 * (held_.held.span() + by_row_.span() + held_by_row_.span()) + 4 * by_body_.span(); }
+    std::size_t bytes() const {
+        return 8 * (held_.held.span() + by_row_.span() + held_by_row_.span()) + 4 * by_body_.span();
+    }
 
 private:
     VolumeStiffness held_;

@@ -33,7 +33,8 @@ struct LossLoop {
         if (is_closed != closed) return 0;
         if (closed) {
             const int role = solved ? viscous.role[a](i) : int(inactive_face);
-            const bool counted = role == prescribed_face || (together && role == unknown_face && viscous.mass.axis[a](i) > 0);
+            const bool counted =
+                role == prescribed_face || (together && role == unknown_face && viscous.mass.axis[a](i) > 0);
             return counted ? 0.0 : wet.axis[a](i);
         }
         const double fraction = faces.effective_area_fraction(a, i);
@@ -61,13 +62,14 @@ struct LossLoop {
 void WallMomentum::add(const Scene& scene, Which which, const FaceField& velocity) {
     if (scene.owned.empty()) return;
     const auto& shares = scene.resting.shares();
-    LossLoop loop{lost_.size(), scene.grid, scene.owned, scene.faces, scene.fractions.face_liquid_clipped, scene.fractions.face_fluid, before_,
-                  velocity, {shares[0], shares[1], shares[2]}, scene.resting.motion(),
-                  scene.viscous ? *scene.viscous : ViscousFaces(), which == Which::closed, scene.viscous != nullptr, scene.together,
-                  scene.density * cube_volume(scene.grid)};
+    LossLoop loop{lost_.size(), scene.grid, scene.owned, scene.faces, scene.fractions.face_liquid_clipped,
+        scene.fractions.face_fluid, before_, velocity, {shares[0], shares[1], shares[2]}, scene.resting.motion(),
+        scene.viscous ? *scene.viscous : ViscousFaces(), which == Which::closed, scene.viscous != nullptr,
+        scene.together, scene.density * cube_volume(scene.grid)};
     std::vector<double> sums(lost_.size(), 0.0);
     using Sums = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
-    Kokkos::parallel_reduce("treacle::wall_momentum", static_cast<int>(scene.owned.size()), loop, Sums(sums.data(), sums.size()));
+    Kokkos::parallel_reduce(
+        "treacle::wall_momentum", static_cast<int>(scene.owned.size()), loop, Sums(sums.data(), sums.size()));
     for (std::size_t k = 0; k < sums.size(); ++k) lost_[k] += sums[k];
 }
 

@@ -29,7 +29,9 @@ public:
     const std::vector<double>& lost() const { return lost_; }
     void go_back(const std::vector<double>& to) { lost_ = to; }
     // From here on changes count.
-    void begin(const MacGrid& grid, const CellBox& window, const FaceField& velocity) { copy_faces(grid, window, velocity, before_); }
+    void begin(const MacGrid& grid, const CellBox& window, const FaceField& velocity) {
+        copy_faces(grid, window, velocity, before_);
+    }
     enum class Which { with_pressure, closed }; // faces
     // Local: adds what the changes since begin() have left at these faces.
     void add(const Scene& scene, Which which, const FaceField& velocity);

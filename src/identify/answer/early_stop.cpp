@@ -15,7 +15,8 @@ search::Value value_for_search(const StudyFile& file, const Trial& trial) {
     return std::isnan(trial.objective) ? search::Value::failed() : search::Value::measured(sought(file, trial));
 }
 
-std::optional<double> bound_of_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
+std::optional<double> bound_of_runs(
+    const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
     bool any = false;
     for (const auto number : numbers) {
         const auto* outcome = runs.journal().outcome(number);
@@ -30,7 +31,8 @@ std::optional<double> bound_of_runs(const StudyFile& file, const study::StudyRun
         if (outcome.status == study::RunStatus::stopped_early) continue;
         const auto folder = runs.folder_of(numbers[s]);
         for (const auto& experiment : file.experiments) {
-            if (&file.scene_of(experiment) == &file.study.scenes[s]) sum += read_residuals(folder, experiment.name, experiment.kind).mismatch;
+            if (&file.scene_of(experiment) == &file.study.scenes[s])
+                sum += read_residuals(folder, experiment.name, experiment.kind).mismatch;
         }
     }
     return sum / double(file.experiments.size());

@@ -11,7 +11,8 @@ namespace {
 // moves to. A run to the side, unless the answer moves by itself, gives the change of displacements at this spacing:
 // where the flow is wild, the coarse runs have another one. A run that fails is followed by one beside it. False where
 // no run succeeded.
-bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
+bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials,
+    std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
     constexpr double near = 0.03, reach = 0.15; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
     constexpr int most_failures = 3;
@@ -28,12 +29,14 @@ bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials, st
         finer.back().push_back(*run);
         point = estimate(trials.good(), priors, finer, range_prior(file)).point;
         const auto distance = [&](const EvaluatedRun& one) { return (one.point - point).cwiseAbs().maxCoeff(); };
-        const bool moved = std::ranges::all_of(finer.back(), [&](const EvaluatedRun& one) { return distance(one) > near; });
+        const bool moved =
+            std::ranges::all_of(finer.back(), [&](const EvaluatedRun& one) { return distance(one) > near; });
         next = point;
         if (moved) continue;
         if (finer.back().size() > 1) break;
         const Eigen::VectorXd way = point - finer.back().front().point;
-        next = finer.back().front().point + (way.norm() > 0 ? Eigen::VectorXd(way * (reach / way.norm())) : Eigen::VectorXd::Constant(way.size(), reach));
+        next = finer.back().front().point + (way.norm() > 0 ? Eigen::VectorXd(way * (reach / way.norm()))
+                                                            : Eigen::VectorXd::Constant(way.size(), reach));
     }
     if (!finer.back().empty()) return true;
     finer.pop_back();
@@ -65,13 +68,15 @@ search::Extrapolation at_finest(search::Extrapolation found) {
 
 } // namespace
 
-void climb_rungs(const StudyFile& file, const Priors& priors, const NoiseMeasure& noise, Trials& trials, Identification& out) {
+void climb_rungs(
+    const StudyFile& file, const Priors& priors, const NoiseMeasure& noise, Trials& trials, Identification& out) {
     const auto& parameter = file.study.parameters[file.searched + file.measured];
     auto point = out.estimate->point;
     std::vector<ResolutionAnswer> answers;
     const auto keep = [&](const std::string& word, const ResolutionAnswer& found) {
         RungAnswer answer{word, {}};
-        for (std::size_t k = 0; k < file.searched; ++k) answer.values.push_back(value_of(file.study.parameters[k], found.value[Eigen::Index(k)]));
+        for (std::size_t k = 0; k < file.searched; ++k)
+            answer.values.push_back(value_of(file.study.parameters[k], found.value[Eigen::Index(k)]));
         answers.push_back(found);
         out.rungs.push_back(answer);
     };
@@ -83,7 +88,8 @@ void climb_rungs(const StudyFile& file, const Priors& priors, const NoiseMeasure
     keep(coarsest, noise.answer ? *noise.answer : found_by(coarsest, out.estimate->runs));
     std::vector<std::vector<EvaluatedRun>> finer;
     for (std::size_t i = 1; i < parameter.values.size(); ++i) {
-        if (settle_rung(file, priors, trials, finer, i - 1, point)) keep(parameter.values[i], found_by(parameter.values[i], finer.back().size()));
+        if (settle_rung(file, priors, trials, finer, i - 1, point))
+            keep(parameter.values[i], found_by(parameter.values[i], finer.back().size()));
     }
     if (finer.empty()) return;
     take_fit(estimate(trials.good(), priors, finer, range_prior(file)), *out.estimate);
@@ -94,7 +100,8 @@ void climb_rungs(const StudyFile& file, const Priors& priors, const NoiseMeasure
         for (auto& one : resolved.axes) one = at_finest(one);
     }
     out.resolved = resolved.value;
-    if (const auto range = range_prior(file); range.lower.size() > 0) out.resolved = resolved.value.cwiseMax(range.lower).cwiseMin(range.upper);
+    if (const auto range = range_prior(file); range.lower.size() > 0)
+        out.resolved = resolved.value.cwiseMax(range.lower).cwiseMin(range.upper);
     out.corrections = resolved.axes;
     out.noise = resolved.noise;
     out.covariance += resolved.resolution;

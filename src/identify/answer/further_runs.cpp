@@ -17,14 +17,16 @@ double measured_step(double value, double deviation) {
 }
 } // namespace
 
-Wanted runs_around(const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes) {
+Wanted runs_around(
+    const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes) {
     constexpr double reach = 0.12, near = 0.03; // of the logarithm of a viscosity
     Wanted out;
     const auto p = std::size_t(estimate.point.size());
     if (p > 1) {
         std::vector<Eigen::VectorXd> points;
         for (const auto& run : good) points.push_back(run.point);
-        for (const auto& point : points_to_span(estimate.point, points, axes)) out.push_back({point, {"around the answer"}});
+        for (const auto& point : points_to_span(estimate.point, points, axes))
+            out.push_back({point, {"around the answer"}});
         return out;
     }
     for (std::size_t k = 0; k < p; ++k) {
@@ -32,7 +34,9 @@ Wanted runs_around(const Estimate& estimate, const std::vector<EvaluatedRun>& go
             search::Point point(estimate.point.data(), estimate.point.data() + p);
             point[k] = std::clamp(point[k] + side, axes[k].lower, axes[k].upper);
             const bool there = std::ranges::any_of(good, [&](const EvaluatedRun& run) {
-                return (run.point - Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(p))).cwiseAbs().maxCoeff() < (side == 0 ? near / 3 : near);
+                return (run.point - Eigen::Map<const Eigen::VectorXd>(point.data(), Eigen::Index(p)))
+                           .cwiseAbs()
+                           .maxCoeff() < (side == 0 ? near / 3 : near);
             });
             const bool listed = std::ranges::any_of(out, [&](const auto& one) { return one.first == point; });
             if (!there && !listed) out.push_back({point, {"around the answer"}});
@@ -49,7 +53,8 @@ Wanted noise_runs(const StudyFile& file, const search::Point& point) {
     const auto& parameter = file.study.parameters[spacing];
     const double width = *parameter.number(parameter.values.front());
     Wanted out;
-    for (int i = 0; i < file.search.noise_runs; ++i) out.push_back({point, {"noise", spacing, width * factors[std::size_t(i)]}});
+    for (int i = 0; i < file.search.noise_runs; ++i)
+        out.push_back({point, {"noise", spacing, width * factors[std::size_t(i)]}});
     return out;
 }
 
@@ -57,7 +62,8 @@ Wanted rung_runs(const StudyFile& file, const search::Point& point) {
     const auto spacing = file.searched + file.measured;
     const auto& parameter = file.study.parameters[spacing];
     Wanted out;
-    for (std::size_t i = 1; i < parameter.values.size(); ++i) out.push_back({point, {"rung " + parameter.values[i], spacing, *parameter.number(parameter.values[i])}});
+    for (std::size_t i = 1; i < parameter.values.size(); ++i)
+        out.push_back({point, {"rung " + parameter.values[i], spacing, *parameter.number(parameter.values[i])}});
     return out;
 }
 
@@ -67,7 +73,8 @@ Wanted measured_runs(const StudyFile& file, const search::Point& point) {
         const auto index = file.searched + m;
         const auto& parameter = file.study.parameters[index];
         const double value = *parameter.number(parameter.values.front());
-        if (file.deviations[m] != 0) out.push_back({point, {parameter.name, index, value + measured_step(value, file.deviations[m])}});
+        if (file.deviations[m] != 0)
+            out.push_back({point, {parameter.name, index, value + measured_step(value, file.deviations[m])}});
     }
     return out;
 }

@@ -9,7 +9,8 @@ search::Point point_of(const Eigen::VectorXd& vector); // [p] coordinates as the
 
 // A run at the estimate and one to either side of it, a few standard deviations away: the local model then agrees with
 // the runs near the answer. Only for what the search has not done.
-Wanted runs_around(const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes);
+Wanted runs_around(
+    const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes);
 
 // Runs whose spacing, and with it the place of the cells in the flow, is a little another.
 Wanted noise_runs(const StudyFile& file, const search::Point& point);

@@ -18,7 +18,8 @@ namespace {
 // Scatter of few runs, of one parameter on a logarithmic scale, taken together with what it usually is, which counts as one run: two answers
 // can be alike by chance, and the interval would then be too narrow. Returns the degrees of freedom.
 int expect_usual_noise(const StudyFile& file, int freedom, Eigen::MatrixXd& noise) {
-    constexpr double usual = 0.01; // of the logarithm of a viscosity; 0.5 to 2 % in the templates' scenes at their coarsest spacing
+    constexpr double usual =
+        0.01; // of the logarithm of a viscosity; 0.5 to 2 % in the templates' scenes at their coarsest spacing
     if (file.searched != 1 || file.study.parameters.front().scale != study::Scale::log) return freedom;
     noise(0, 0) = (noise(0, 0) * freedom + usual * usual) / (freedom + 1);
     return freedom + 1;
@@ -42,7 +43,8 @@ NoiseMeasure measure_noise(const StudyFile& file, const Priors& priors, Trials& 
     for (const auto& one : answers) mean += one / count;
     for (const auto& one : answers) out.noise += (one - mean) * (one - mean).transpose() / (count - 1);
     const int runs = int(answers.size()), freedom = expect_usual_noise(file, runs - 1, out.noise);
-    for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].noise = out.noise(Eigen::Index(k), Eigen::Index(k));
+    for (std::size_t k = 0; k < file.searched; ++k)
+        out.estimate->parts[k].noise = out.noise(Eigen::Index(k), Eigen::Index(k));
     return {freedom, ResolutionAnswer{spacings / count, runs, mean}};
 }
 
@@ -61,10 +63,15 @@ void vary_measured(const StudyFile& file, const Priors& priors, Trials& trials, 
             step = -step;
             run = trials.run({lowered}).front();
         }
-        if (!run) throw InputError({parameter.where, "the runs with " + parameter.name + " raised and lowered by " + format_number(-step) + " failed",
-                                    "its share of the interval is not known", "see the table for the reason"});
-        const Eigen::VectorXd shift = (estimate(trials.good(), priors, {{*run}}, range_prior(file)).point - point) * deviation / step;
-        for (std::size_t k = 0; k < file.searched; ++k) out.estimate->parts[k].measured.emplace_back(parameter.name, shift[Eigen::Index(k)] * shift[Eigen::Index(k)]);
+        if (!run)
+            throw InputError({parameter.where,
+                "the runs with " + parameter.name + " raised and lowered by " + format_number(-step) + " failed",
+                "its share of the interval is not known", "see the table for the reason"});
+        const Eigen::VectorXd shift =
+            (estimate(trials.good(), priors, {{*run}}, range_prior(file)).point - point) * deviation / step;
+        for (std::size_t k = 0; k < file.searched; ++k)
+            out.estimate->parts[k].measured.emplace_back(
+                parameter.name, shift[Eigen::Index(k)] * shift[Eigen::Index(k)]);
         out.covariance += shift * shift.transpose();
     }
 }
@@ -74,7 +81,8 @@ void add_clips(const StudyFile& file, const Priors& priors, Trials& trials, Iden
     const auto scatter = between_clips(trials.good(), priors, set_ups(file.experiments));
     if (!scatter) return;
     out.estimate->point += scatter->shift;
-    for (std::size_t k = 0; k < out.corrections.size(); ++k) out.corrections[k].value += scatter->shift[Eigen::Index(k)];
+    for (std::size_t k = 0; k < out.corrections.size(); ++k)
+        out.corrections[k].value += scatter->shift[Eigen::Index(k)];
     for (std::size_t k = 0; k < file.searched; ++k) {
         out.estimate->parts[k].clips = scatter->variance[Eigen::Index(k)];
         out.estimate->parts[k].clip_freedom = scatter->freedom;
@@ -92,7 +100,8 @@ void say_answer(const StudyFile& file, Identification& out) {
     for (std::size_t k = 0; k < file.searched; ++k) {
         const auto& parameter = file.study.parameters[k];
         const double x = answer[Eigen::Index(k)];
-        const double half = ninety_percent(estimate.parts[k], estimate.freedom[k]) * std::sqrt(estimate.parts[k].total());
+        const double half =
+            ninety_percent(estimate.parts[k], estimate.freedom[k]) * std::sqrt(estimate.parts[k].total());
         const bool log = parameter.scale == study::Scale::log;
         const auto at = [&](double y) { return log ? std::exp(y) : y; };
         out.values.push_back(at(x));
@@ -113,7 +122,8 @@ Wanted expected_runs(const StudyFile& file, const Priors& priors, const Trials& 
     return out;
 }
 
-std::vector<std::vector<double>> residuals_of(const std::vector<std::optional<EvaluatedRun>>& runs, const Priors& priors) {
+std::vector<std::vector<double>> residuals_of(
+    const std::vector<std::optional<EvaluatedRun>>& runs, const Priors& priors) {
     std::vector<std::vector<double>> out;
     for (const auto& run : runs) out.push_back(run ? search_residuals(*run, priors) : std::vector<double>());
     return out;
@@ -128,7 +138,8 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
         const auto before = out.trials.size();
         const auto cut = [&](std::size_t k) { return search->cut(k); };
         const auto evaluated = trials.run(wanted, file.search.stops_early() ? Trials::Cuts(cut) : Trials::Cuts());
-        if (search->uses_residuals() && file.search.objective == Objective::displacements) search->tell_residuals(residuals_of(evaluated, priors));
+        if (search->uses_residuals() && file.search.objective == Objective::displacements)
+            search->tell_residuals(residuals_of(evaluated, priors));
         std::vector<search::Value> values;
         for (std::size_t i = before; i < out.trials.size(); ++i) {
             values.push_back(value_for_search(file, out.trials[i]));
@@ -137,7 +148,8 @@ void search_and_estimate(const StudyFile& file, const Priors& priors, Trials& tr
     }
     out.stop = search->stopped()->text;
     for (int round = 0; round < 2; ++round) {
-        const auto more = runs_around(estimate(trials.good(), priors, {}, range_prior(file)), trials.good(), search->axes());
+        const auto more =
+            runs_around(estimate(trials.good(), priors, {}, range_prior(file)), trials.good(), search->axes());
         if (more.empty()) break;
         trials.offer(expected_runs(file, priors, trials, *search));
         trials.run(more);
@@ -161,12 +173,15 @@ const Trial* trial_at_answer(const StudyFile& file, const Identification& identi
     const double finest = *spacing.number(spacing.values.back());
     const Trial* best = nullptr;
     for (const auto& trial : identification.trials) {
-        if (!std::isnan(trial.objective) && trial.values.back() == finest && (!best || trial.objective < best->objective)) best = &trial;
+        if (!std::isnan(trial.objective) && trial.values.back() == finest &&
+            (!best || trial.objective < best->objective))
+            best = &trial;
     }
     return best ? best : best_trial(identification);
 }
 
-std::optional<EvaluatedRun> evaluated_runs(const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
+std::optional<EvaluatedRun> evaluated_runs(
+    const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
     EvaluatedRun out;
     for (const auto& experiment : file.experiments) {
         const auto number = numbers[std::size_t(&file.scene_of(experiment) - file.study.scenes.data())];
@@ -188,7 +203,8 @@ void check_searched(const StudyFile& file, const study::SceneReader& read_scene)
     study::candidates_of(file.study, ends, read_scene);
 }
 
-Identification identify(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log) {
+Identification identify(const StudyFile& file, const Priors& priors, study::StudyRuns& runs,
+    const study::SceneReader& read_scene, Log& log) {
     Identification out;
     out.noise = out.covariance = Eigen::MatrixXd::Zero(Eigen::Index(file.searched), Eigen::Index(file.searched));
     Trials trials(file, priors, runs, read_scene, log, out);
@@ -201,7 +217,8 @@ Identification identify(const StudyFile& file, const Priors& priors, study::Stud
         vary_measured(file, priors, trials, out);
         add_clips(file, priors, trials, out);
         if (file.temperature.deviation() > 0) {
-            for (auto& parts : out.estimate->parts) parts.measured.emplace_back("temperature", std::pow(file.temperature.deviation(), 2));
+            for (auto& parts : out.estimate->parts)
+                parts.measured.emplace_back("temperature", std::pow(file.temperature.deviation(), 2));
         }
         trials.offer({});
         say_answer(file, out);

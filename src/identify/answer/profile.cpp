@@ -8,7 +8,9 @@
 namespace treacle::identify {
 
 namespace {
-bool of_search(const Trial& trial) { return !std::isnan(trial.objective) && (trial.purpose == "search" || trial.purpose == "around the answer"); }
+bool of_search(const Trial& trial) {
+    return !std::isnan(trial.objective) && (trial.purpose == "search" || trial.purpose == "around the answer");
+}
 
 // By how much objectives of equal parameters may differ, in 90 % of pairs of runs.
 double numerical_scatter(const Identification& identification) {
@@ -33,15 +35,19 @@ double at_answer(const study::Parameter& parameter, std::size_t k, double value,
 } // namespace
 
 bool prescribes(const Experiment& experiment) {
-    return experiment.kind == ExperimentKind::piv && experiment.piv.has_track() && experiment.piv.ball.motion == BallMotion::prescribed;
+    return experiment.kind == ExperimentKind::piv && experiment.piv.has_track() &&
+           experiment.piv.ball.motion == BallMotion::prescribed;
 }
 
 void check_scatter_is_measured(const StudyFile& file) {
     if (file.experiments.empty() || !std::ranges::all_of(file.experiments, prescribes)) return;
     if (file.has_rungs() && file.search.noise_runs >= 2) return;
-    throw InputError({file.experiments.front().piv.where, "the ball follows a prescribed path, which needs search.rungs, and noise_runs of two or more",
-                      "at low Reynolds number viscosities differ by less than resolutions do, and the answer would be that of the numerical noise",
-                      "write for instance search: {rungs: [3 mm, 2.4 mm, 2 mm]}, or let the ball fall freely: ball: {track: track.csv, motion: free}"});
+    throw InputError({file.experiments.front().piv.where,
+        "the ball follows a prescribed path, which needs search.rungs, and noise_runs of two or more",
+        "at low Reynolds number viscosities differ by less than resolutions do, and the answer would be that of the "
+        "numerical noise",
+        "write for instance search: {rungs: [3 mm, 2.4 mm, 2 mm]}, or let the ball fall freely: ball: {track: "
+        "track.csv, motion: free}"});
 }
 
 void widen_to_alike_trials(const StudyFile& file, Identification& identification) {
@@ -51,7 +57,8 @@ void widen_to_alike_trials(const StudyFile& file, Identification& identification
         if (of_search(trial)) best = std::min(best, trial.objective);
     }
     const bool scatter_decides = std::ranges::all_of(file.experiments, prescribes);
-    const double chance = std::max(identification.estimate->alike, scatter_decides ? numerical_scatter(identification) : 0.0);
+    const double chance =
+        std::max(identification.estimate->alike, scatter_decides ? numerical_scatter(identification) : 0.0);
     for (const auto& trial : identification.trials) {
         if (!of_search(trial) || trial.objective > best + chance) continue;
         for (std::size_t k = 0; k < file.searched; ++k) {

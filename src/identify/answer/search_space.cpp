@@ -11,7 +11,9 @@
 
 namespace treacle::identify {
 
-double coordinate(const study::Parameter& parameter, double value) { return parameter.scale == study::Scale::log ? std::log(value) : value; }
+double coordinate(const study::Parameter& parameter, double value) {
+    return parameter.scale == study::Scale::log ? std::log(value) : value;
+}
 double value_of(const study::Parameter& parameter, double x) {
     const double value = parameter.scale == study::Scale::log ? std::exp(x) : x;
     return std::clamp(value, parameter.lower, parameter.upper);
@@ -22,11 +24,14 @@ std::vector<search::Axis> axes_of(const StudyFile& file) {
     for (std::size_t k = 0; k < file.searched; ++k) {
         const auto& parameter = file.study.parameters[k];
         if (!parameter.has_range()) {
-            throw InputError({parameter.where, parameter.name + " has no range", "`treacle identify` searches within ranges", "give it a `range`"});
+            throw InputError({parameter.where, parameter.name + " has no range",
+                "`treacle identify` searches within ranges", "give it a `range`"});
         }
         if (parameter.key.starts_with("liquids.") && parameter.key.ends_with(".density")) {
-            throw InputError({parameter.where, parameter.name + " cannot be searched", "silhouettes know the ratio of viscosity and density only: a flow "
-                              "twice as dense and twice as viscous looks the same", "weigh a measured volume of the liquid, and give the density under `measured` with its plus_minus"});
+            throw InputError({parameter.where, parameter.name + " cannot be searched",
+                "silhouettes know the ratio of viscosity and density only: a flow "
+                "twice as dense and twice as viscous looks the same",
+                "weigh a measured volume of the liquid, and give the density under `measured` with its plus_minus"});
         }
         search::Axis axis;
         axis.lower = coordinate(parameter, parameter.lower);
@@ -40,7 +45,7 @@ std::vector<search::Axis> axes_of(const StudyFile& file) {
     }
     if (out.empty()) {
         throw InputError({file.study.path.string(), "has no parameters", "there would be nothing to identify",
-                          "add one, for instance {key: liquids.syrup.viscosity, range: [0.1 Pa.s, 100 Pa.s], scale: log}"});
+            "add one, for instance {key: liquids.syrup.viscosity, range: [0.1 Pa.s, 100 Pa.s], scale: log}"});
     }
     return out;
 }
@@ -53,15 +58,18 @@ std::unique_ptr<search::Search> search_of(const StudyFile& file) {
     const bool automatic = file.search.method == Method::automatic;
     if (file.search.method == Method::bracketing || (automatic && axes.size() == 1)) {
         if (axes.size() == 1) return std::make_unique<search::Bracketing>(axes.front(), limits);
-        throw InputError({file.study.path.string(), "search.method = bracketing, for " + std::to_string(axes.size()) + " parameters", "it brackets one",
-                          "write search: gauss_newton"});
+        throw InputError(
+            {file.study.path.string(), "search.method = bracketing, for " + std::to_string(axes.size()) + " parameters",
+                "it brackets one", "write search: gauss_newton"});
     }
-    if (file.search.method == Method::gauss_newton || (automatic && file.search.objective == Objective::displacements)) {
+    if (file.search.method == Method::gauss_newton ||
+        (automatic && file.search.objective == Objective::displacements)) {
         search::GaussNewtonOptions options;
         options.limits = limits;
         return std::make_unique<search::GaussNewton>(axes, options);
     }
-    auto options = file.search.method == Method::dissertation ? search::CmaOptions::dissertation(seed) : search::CmaOptions{};
+    auto options =
+        file.search.method == Method::dissertation ? search::CmaOptions::dissertation(seed) : search::CmaOptions{};
     options.seed = seed;
     options.limits.evaluations = limits.evaluations;
     return std::make_unique<search::CmaEs>(axes, options);

@@ -25,7 +25,9 @@ std::vector<std::optional<EvaluatedRun>> Trials::run(Wanted wanted, const Cuts& 
         trial.purpose = variation.purpose;
         trial.values = values_at(point, variation);
         for (auto& candidate : candidates_at(trial.values)) {
-            if (cut) candidate.cut = cut(fresh.size() - 1) * double(file_.experiments.size()); // a mean over films: the others add to it
+            if (cut)
+                candidate.cut =
+                    cut(fresh.size() - 1) * double(file_.experiments.size()); // a mean over films: the others add to it
             trial.runs.push_back(runs_.ask(candidate));
             numbers.push_back(trial.runs.back());
         }
@@ -51,7 +53,8 @@ void Trials::keep(const std::optional<EvaluatedRun>& run, const Variation& varia
 void Trials::offer(const Wanted& expected) {
     std::vector<study::Candidate> candidates;
     for (const auto& [point, variation] : expected) {
-        for (auto& one : candidates_at(values_at(run_point(point, variation), variation))) candidates.push_back(std::move(one));
+        for (auto& one : candidates_at(values_at(run_point(point, variation), variation)))
+            candidates.push_back(std::move(one));
     }
     runs_.offer(std::move(candidates));
 }
@@ -61,7 +64,8 @@ search::Point Trials::run_point(search::Point point, const Variation& variation)
     if (variation.purpose == Variation{}.purpose) return point;
     for (std::size_t k = 0; k < point.size(); ++k) {
         const auto& axis = axes_[k];
-        point[k] = std::clamp(axis.start + axis.tolerance * std::round((point[k] - axis.start) / axis.tolerance), axis.lower, axis.upper);
+        point[k] = std::clamp(
+            axis.start + axis.tolerance * std::round((point[k] - axis.start) / axis.tolerance), axis.lower, axis.upper);
     }
     return point;
 }
@@ -70,7 +74,8 @@ std::vector<double> Trials::values_at(const search::Point& point, const Variatio
     std::vector<double> out;
     for (std::size_t k = 0; k < file_.study.parameters.size(); ++k) {
         const auto& parameter = file_.study.parameters[k];
-        const double usual = k < point.size() ? value_of(parameter, point[k]) : *parameter.number(parameter.values.front());
+        const double usual =
+            k < point.size() ? value_of(parameter, point[k]) : *parameter.number(parameter.values.front());
         out.push_back(k == variation.parameter ? variation.value : usual);
     }
     return out;
@@ -80,7 +85,8 @@ std::vector<study::Candidate> Trials::candidates_at(const std::vector<double>& v
     study::Point words;
     for (std::size_t k = 0; k < values.size(); ++k) words.push_back(file_.study.parameters[k].word(values[k]));
     std::vector<study::Candidate> out;
-    for (const auto& scene : file_.study.scenes) out.push_back(study::candidate_of(file_.study, scene, words, read_scene_));
+    for (const auto& scene : file_.study.scenes)
+        out.push_back(study::candidate_of(file_.study, scene, words, read_scene_));
     return out;
 }
 
@@ -97,9 +103,12 @@ std::optional<EvaluatedRun> Trials::evaluate(Trial& trial, const search::Point& 
 
 void Trials::tell(const Trial& trial) const {
     std::string line = "trial " + std::to_string(out_.trials.size() + 1) + " (" + trial.purpose + ")";
-    for (std::size_t k = 0; k < trial.values.size(); ++k) line += "  " + file_.study.parameters[k].name + " " + short_word(file_.study.parameters[k], trial.values[k]);
+    for (std::size_t k = 0; k < trial.values.size(); ++k)
+        line += "  " + file_.study.parameters[k].name + " " + short_word(file_.study.parameters[k], trial.values[k]);
     const std::string what = file_.search.objective == Objective::mismatch ? "  E " : "  objective ";
-    log_.line(line + (trial.bound ? what + ">= " + digits(*trial.bound) + ", stopped early" : std::isnan(trial.objective) ? "  failed" : what + digits(sought(file_, trial))));
+    log_.line(line + (trial.bound                      ? what + ">= " + digits(*trial.bound) + ", stopped early"
+                         : std::isnan(trial.objective) ? "  failed"
+                                                       : what + digits(sought(file_, trial))));
 }
 
 } // namespace treacle::identify

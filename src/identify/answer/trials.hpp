@@ -23,7 +23,8 @@ using Wanted = std::vector<std::pair<search::Point, Variation>>; // points of th
 // Runs candidates and keeps what came of them.
 class Trials {
 public:
-    Trials(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene, Log& log, Identification& out)
+    Trials(const StudyFile& file, const Priors& priors, study::StudyRuns& runs, const study::SceneReader& read_scene,
+        Log& log, Identification& out)
         : file_(file), priors_(priors), runs_(runs), read_scene_(read_scene), log_(log), out_(out) {}
 
     // Runs of each point and its variation: nothing where one failed or stopped early. Runs may do that where the

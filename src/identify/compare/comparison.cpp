@@ -15,7 +15,9 @@ double depth_near(const video::FilmDrawing& drawing, double x, double y) {
         double nearest = -1;
         for (int r = std::max(0, row - reach); r <= std::min(drawing.mask.height - 1, row + reach); ++r) {
             for (int c = std::max(0, column - reach); c <= std::min(drawing.mask.width - 1, column + reach); ++c) {
-                if (drawing.mask.liquid(c, r)) nearest = std::max(nearest, double(drawing.depth[std::size_t(r) * std::size_t(drawing.mask.width) + std::size_t(c)]));
+                if (drawing.mask.liquid(c, r))
+                    nearest = std::max(nearest,
+                        double(drawing.depth[std::size_t(r) * std::size_t(drawing.mask.width) + std::size_t(c)]));
             }
         }
         if (nearest > 0) return nearest;
@@ -24,12 +26,13 @@ double depth_near(const video::FilmDrawing& drawing, double x, double y) {
 }
 
 // Adds the motion of the pixel of a point in camera axes by the camera's parameters, along a normal.
-void add_camera(const scene::CameraModel& camera, const Vec3& place, const scene::Vec2& normal, double weight, ViewDerivatives& out) {
+void add_camera(const scene::CameraModel& camera, const Vec3& place, const scene::Vec2& normal, double weight,
+    ViewDerivatives& out) {
     const auto pixel = camera.project_camera(place);
     const auto& lens = camera.lens();
     out[view_focal] += weight * (normal[0] * (pixel.x - lens.cx) + normal[1] * (pixel.y - lens.cy));
     const double step = 1e-4 * place[2]; // [m]
-    std::array<double, 3> along{}; // by a move of the point along each axis [px/m]
+    std::array<double, 3> along{};       // by a move of the point along each axis [px/m]
     for (std::size_t k = 0; k < 3; ++k) {
         auto ahead = place, behind = place;
         ahead[k] += step;
@@ -65,7 +68,8 @@ double beyond_observed(const video::Mask& observed, const video::Mask& simulated
 }
 } // namespace
 
-FrameComparison compare_frame(const ObservedFrame& observed, const video::Mask& mask, const SimulatedFrame& simulated, const scene::CameraModel& camera) {
+FrameComparison compare_frame(const ObservedFrame& observed, const video::Mask& mask, const SimulatedFrame& simulated,
+    const scene::CameraModel& camera) {
     FrameComparison out;
     for (std::size_t i = 0; i < mask.pixels.size(); ++i) {
         if (mask.pixels[i] == video::mask_excluded) continue;
@@ -87,14 +91,16 @@ FrameComparison compare_frame(const ObservedFrame& observed, const video::Mask& 
             residual.y += weight * point.pixel[1];
             residual.normal_x += weight * point.normal[0];
             residual.normal_y += weight * point.normal[1];
-            const double d = now(point), change = now.is_far(point) ? later.nearest(point) - now.nearest(point) : later(point) - d;
+            const double d = now(point),
+                         change = now.is_far(point) ? later.nearest(point) - now.nearest(point) : later(point) - d;
             const double speed = change / simulated.step;
             residual.displacement += weight * d;
             // A later time zero shows the run earlier. A longer readout shows rows above the middle earlier, those below later.
             residual.by_view[view_time] -= weight * speed;
             residual.by_view[view_readout] += weight * speed * (point.pixel[1] / (mask.height - 1) - 0.5);
             residual.by_view[view_contour] += weight;
-            const scene::Vec2 inside{point.pixel[0] + (d - 1) * point.normal[0], point.pixel[1] + (d - 1) * point.normal[1]};
+            const scene::Vec2 inside{
+                point.pixel[0] + (d - 1) * point.normal[0], point.pixel[1] + (d - 1) * point.normal[1]};
             const double depth = depth_near(simulated.now, inside[0], inside[1]);
             if (depth <= 0) continue;
             const auto ray = camera.ray(inside);

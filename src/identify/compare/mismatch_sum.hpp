@@ -10,7 +10,8 @@ struct FilmMismatches {
     std::size_t masks = 0;          // that are compared in all
     std::vector<double> times;      // [s] of those compared so far, in order
     std::vector<double> mismatches; // of each
-    double next = std::numeric_limits<double>::infinity(); // [s] of the first that is not compared yet; infinite: all are
+    double next =
+        std::numeric_limits<double>::infinity(); // [s] of the first that is not compared yet; infinite: all are
 };
 
 // The sum over films of their mean (6.9) only grows from frame to frame: what it is, or has reached, after the first

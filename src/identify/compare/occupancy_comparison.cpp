@@ -12,7 +12,8 @@ constexpr std::size_t fields = 3; // of a pixel
 constexpr double micrometre = 1e-6;
 } // namespace
 
-OccupancySum::OccupancySum(int width, int height) : width_(width), height_(height), numbers_(fields * std::size_t(width) * std::size_t(height)) {}
+OccupancySum::OccupancySum(int width, int height)
+    : width_(width), height_(height), numbers_(fields * std::size_t(width) * std::size_t(height)) {}
 
 void OccupancySum::add(const video::Mask& film, const video::Mask& liquid, const video::FilmDepth& depth) {
     for (std::size_t i = 0; i < film.pixels.size(); ++i) {
@@ -42,12 +43,14 @@ video::Mask OccupancySum::level(double share) const {
 video::FilmDepth OccupancySum::depth() const {
     video::FilmDepth out(numbers_.size() / fields, 1e30f);
     for (std::size_t i = 0; i < out.size(); ++i) {
-        if (numbers_[fields * i + 1] > 0) out[i] = float(micrometre * double(numbers_[fields * i + 2]) / double(numbers_[fields * i + 1]));
+        if (numbers_[fields * i + 1] > 0)
+            out[i] = float(micrometre * double(numbers_[fields * i + 2]) / double(numbers_[fields * i + 1]));
     }
     return out;
 }
 
-FrameComparison compare_window(const OccupancyWindow& window, const std::vector<double>& levels, const scene::CameraModel& camera) {
+FrameComparison compare_window(
+    const OccupancyWindow& window, const std::vector<double>& levels, const scene::CameraModel& camera) {
     SimulatedFrame run;
     run.step = window.step;
     run.now.depth = window.now.depth();
@@ -69,7 +72,8 @@ double occupancy_noise(const std::vector<OccupancyWindow>& windows, const std::v
     std::vector<double> scatter;
     for (std::size_t w = 1; w + 1 < windows.size(); ++w) {
         for (const double level : levels) {
-            const video::ContourDistance before(windows[w - 1].film.level(level)), after(windows[w + 1].film.level(level));
+            const video::ContourDistance before(windows[w - 1].film.level(level)),
+                after(windows[w + 1].film.level(level));
             for (const auto& segment : contour_segments(windows[w].film.level(level))) {
                 double sum = 0;
                 for (const auto& point : segment.points) sum += 0.5 * (before(point) + after(point));
@@ -92,7 +96,8 @@ void scale_by_noise(FrameComparison& comparison, double noise) {
     }
 }
 
-void add_turning(FrameComparison& comparison, const ObservedFrame& frame, const TurningRate& film, const TurningRate& run, double scatter, std::size_t levels) {
+void add_turning(FrameComparison& comparison, const ObservedFrame& frame, const TurningRate& film,
+    const TurningRate& run, double scatter, std::size_t levels) {
     constexpr double least = 0.02; // relative noise: passages are resolved by frames
     if (film.turns < 0.5) return;
     SegmentResidual row;

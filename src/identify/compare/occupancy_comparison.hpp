@@ -14,7 +14,9 @@ public:
 
     // A frame; it does not count where `film`, its mask in the film, is excluded. `depth` [m] may be empty.
     void add(const video::Mask& film, const video::Mask& liquid, const video::FilmDepth& depth = {});
-    std::span<std::int64_t> numbers() { return numbers_; } // [pixels][3] frames that count, frames with liquid, depths [um]
+    std::span<std::int64_t> numbers() {
+        return numbers_;
+    } // [pixels][3] frames that count, frames with liquid, depths [um]
 
     // Pixels that are liquid in at least this share of the frames. Excluded are those that count in fewer than half of as many frames as
     // the pixel that counts most.
@@ -37,7 +39,8 @@ struct OccupancyWindow {
 };
 
 // Displacements [px] of the contours at all levels; all have the window's number and time.
-FrameComparison compare_window(const OccupancyWindow& window, const std::vector<double>& levels, const scene::CameraModel& camera);
+FrameComparison compare_window(
+    const OccupancyWindow& window, const std::vector<double>& levels, const scene::CameraModel& camera);
 
 // Noise of a displacement [px], of a film and a run that scatter as the film does from window to window: by how far contours lie, robustly,
 // from the middle between those of the windows before and after, which is free of a steady growth. At least that usual of a contour.
@@ -48,6 +51,7 @@ void scale_by_noise(FrameComparison& comparison, double noise);
 
 // Adds the rate of turning in a window, of the run less that of the film, in units of its noise: turns of both scatter as the film's do
 // (relative, of a turn). It counts as much as the contours of a level do. Nothing where the film has less than half a turn.
-void add_turning(FrameComparison& comparison, const ObservedFrame& frame, const TurningRate& film, const TurningRate& run, double scatter, std::size_t levels);
+void add_turning(FrameComparison& comparison, const ObservedFrame& frame, const TurningRate& film,
+    const TurningRate& run, double scatter, std::size_t levels);
 
 } // namespace treacle::identify

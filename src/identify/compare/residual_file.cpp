@@ -7,20 +7,29 @@ namespace treacle::identify {
 
 namespace {
 std::vector<std::string> segment_columns(ExperimentKind kind) {
-    std::vector<std::string> out{"frame", "time [s]", "x [px]", "y [px]", "normal x", "normal y", "points", "displacement [px]"};
+    std::vector<std::string> out{
+        "frame", "time [s]", "x [px]", "y [px]", "normal x", "normal y", "points", "displacement [px]"};
     if (kind == ExperimentKind::occupancy) out.back() = "displacement [noise]";
-    if (kind == ExperimentKind::piv) out = {"field", "time [s]", "x [m]", "y [m]", "right", "up", "compared", "difference [noise]"};
-    if (kind == ExperimentKind::series) out = {"row", "time [s]", "x", "y", "right", "up", "compared", "difference [noise]"};
+    if (kind == ExperimentKind::piv)
+        out = {"field", "time [s]", "x [m]", "y [m]", "right", "up", "compared", "difference [noise]"};
+    if (kind == ExperimentKind::series)
+        out = {"row", "time [s]", "x", "y", "right", "up", "compared", "difference [noise]"};
     for (const auto& view : view_parameters(kind)) out.push_back(std::string("by ") + view.name);
     return out;
 }
-const std::vector<std::string> contour_frame_columns{"frame", "time [s]", "mismatches [px]", "observed [px]", "simulated [px]", "compared [px]", "beyond [px]"};
+const std::vector<std::string> contour_frame_columns{
+    "frame", "time [s]", "mismatches [px]", "observed [px]", "simulated [px]", "compared [px]", "beyond [px]"};
 std::vector<std::string> square_columns(ExperimentKind kind) {
-    return {"frame", "time [s]", kind == ExperimentKind::piv ? "square difference [m2/s2]" : "square difference [noise2]", "compared"};
+    return {"frame", "time [s]",
+        kind == ExperimentKind::piv ? "square difference [m2/s2]" : "square difference [noise2]", "compared"};
 }
 
-std::filesystem::path segment_file(const std::filesystem::path& folder, const std::string& name) { return folder / ("residuals_" + name + ".csv"); }
-std::filesystem::path frame_file(const std::filesystem::path& folder, const std::string& name) { return folder / ("mismatches_" + name + ".csv"); }
+std::filesystem::path segment_file(const std::filesystem::path& folder, const std::string& name) {
+    return folder / ("residuals_" + name + ".csv");
+}
+std::filesystem::path frame_file(const std::filesystem::path& folder, const std::string& name) {
+    return folder / ("mismatches_" + name + ".csv");
+}
 
 void read_contour_frames(const CsvColumns& frames, RunResiduals& out) {
     for (std::size_t i = 0; i < frames.rows(); ++i) {
@@ -49,7 +58,8 @@ void read_squares(const CsvColumns& frames, RunResiduals& out) {
 }
 } // namespace
 
-void write_residuals(const std::filesystem::path& folder, const std::string& experiment, const RunResiduals& residuals) {
+void write_residuals(
+    const std::filesystem::path& folder, const std::string& experiment, const RunResiduals& residuals) {
     const auto views = view_parameters(residuals.kind).size();
     auto segments = CsvTable::create(segment_file(folder, experiment), segment_columns(residuals.kind));
     for (const auto& s : residuals.segments) {
@@ -59,13 +69,15 @@ void write_residuals(const std::filesystem::path& folder, const std::string& exp
     }
     segments.sync();
     const bool masks = has_masks(residuals.kind);
-    auto frames = CsvTable::create(frame_file(folder, experiment), masks ? contour_frame_columns : square_columns(residuals.kind));
+    auto frames = CsvTable::create(
+        frame_file(folder, experiment), masks ? contour_frame_columns : square_columns(residuals.kind));
     for (std::size_t i = 0; i < residuals.frames.size(); ++i) {
         const auto& f = residuals.frames[i];
-        frames.append(std::vector<double>{double(residuals.observed[i].number), residuals.observed[i].time, double(f.mismatches), double(f.observed),
-                                          double(f.simulated), double(f.compared), f.beyond});
+        frames.append(std::vector<double>{double(residuals.observed[i].number), residuals.observed[i].time,
+            double(f.mismatches), double(f.observed), double(f.simulated), double(f.compared), f.beyond});
     }
-    for (const auto& f : residuals.squares) frames.append(std::vector<double>{double(f.number), f.time, f.square, f.count});
+    for (const auto& f : residuals.squares)
+        frames.append(std::vector<double>{double(f.number), f.time, f.square, f.count});
     frames.sync();
 }
 

@@ -20,12 +20,13 @@ struct RunResiduals {
     std::vector<FrameComparison> frames;   // of masks, without their segments; of occupancy a window, all its levels
     std::vector<ObservedFrame> observed;   // of those frames
     std::vector<FrameSquares> squares;     // of the other kinds
-    double mismatch = 0;                   // mean of (6.9) over the frames; (E.1) [m2/s2] of PIV; mean square of a series
+    double mismatch = 0; // mean of (6.9) over the frames; (E.1) [m2/s2] of PIV; mean square of a series
 };
 
 // residuals_NAME.csv: a row a segment; mismatches_NAME.csv: a row a frame. Throws SimulationError.
 void write_residuals(const std::filesystem::path& folder, const std::string& experiment, const RunResiduals& residuals);
 // Throws InputError.
-RunResiduals read_residuals(const std::filesystem::path& folder, const std::string& experiment, ExperimentKind kind = ExperimentKind::contours);
+RunResiduals read_residuals(
+    const std::filesystem::path& folder, const std::string& experiment, ExperimentKind kind = ExperimentKind::contours);
 
 } // namespace treacle::identify

@@ -25,13 +25,16 @@ Middle middle_of(const ObservedField& field) {
     return out;
 }
 
-const std::vector<std::string> vector_columns{"field",           "x [m]",            "y [m]",           "measured u [m/s]",
-                                              "measured v [m/s]", "simulated u [m/s]", "simulated v [m/s]"};
-std::filesystem::path vector_file(const std::filesystem::path& folder, const std::string& name) { return folder / ("fields_" + name + ".csv"); }
+const std::vector<std::string> vector_columns{
+    "field", "x [m]", "y [m]", "measured u [m/s]", "measured v [m/s]", "simulated u [m/s]", "simulated v [m/s]"};
+std::filesystem::path vector_file(const std::filesystem::path& folder, const std::string& name) {
+    return folder / ("fields_" + name + ".csv");
+}
 } // namespace
 
 WindowVelocity window_velocity(const Sheet& sheet, double x, double y, const SheetFlow& flow) {
-    constexpr std::array<double, 3> places{-0.7745966692414834, 0, 0.7745966692414834}, weights{5.0 / 18, 8.0 / 18, 5.0 / 18};
+    constexpr std::array<double, 3> places{-0.7745966692414834, 0, 0.7745966692414834},
+        weights{5.0 / 18, 8.0 / 18, 5.0 / 18};
     WindowVelocity out;
     double covered = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -51,7 +54,8 @@ WindowVelocity window_velocity(const Sheet& sheet, double x, double y, const She
             for (std::size_t a = 0; a < 2; ++a) {
                 out.velocity[a] += weight * dot(axes[a], local->velocity);
                 for (std::size_t b = 0; b < 2; ++b) {
-                    for (std::size_t c = 0; c < 3; ++c) out.gradient[a][b] += weight * axes[a][c] * dot(local->gradient[c], axes[b]);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        out.gradient[a][b] += weight * axes[a][c] * dot(local->gradient[c], axes[b]);
                 }
             }
         }
@@ -65,14 +69,16 @@ WindowVelocity window_velocity(const Sheet& sheet, double x, double y, const She
     return out;
 }
 
-SheetComparison compare_field(const Sheet& sheet, const ObservedField& field, const SheetFlow& before, const SheetFlow& after) {
+SheetComparison compare_field(
+    const Sheet& sheet, const ObservedField& field, const SheetFlow& before, const SheetFlow& after) {
     SheetComparison out;
     out.squares = {field.number, field.time, 0, 0};
     const double step = after.time - before.time, share = step > 0 ? (field.time - before.time) / step : 0;
     const auto middle = middle_of(field);
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     for (const auto& vector : field.vectors) {
-        const auto a = window_velocity(sheet, vector.x, vector.y, before), b = window_velocity(sheet, vector.x, vector.y, after);
+        const auto a = window_velocity(sheet, vector.x, vector.y, before),
+                   b = window_velocity(sheet, vector.x, vector.y, after);
         const bool seen = a.seen && b.seen, compared = seen && !a.touches && !b.touches;
         const std::array<double, 2> measured{vector.u, vector.v}, arm{vector.x - middle.x, vector.y - middle.y};
         std::array<double, 2> simulated{none, none};
@@ -89,7 +95,8 @@ SheetComparison compare_field(const Sheet& sheet, const ObservedField& field, co
             if (seen) {
                 const auto blend = [&](double p, double q) { return (1 - share) * p + share * q; };
                 simulated[c] = blend(a.velocity[c], b.velocity[c]);
-                const std::array<double, 2> gradient{blend(a.gradient[c][0], b.gradient[c][0]), blend(a.gradient[c][1], b.gradient[c][1])};
+                const std::array<double, 2> gradient{
+                    blend(a.gradient[c][0], b.gradient[c][0]), blend(a.gradient[c][1], b.gradient[c][1])};
                 row.displacement = (simulated[c] - measured[c]) / sheet.noise;
                 square += std::pow(simulated[c] - measured[c], 2);
                 // A later time zero shows the run earlier; a larger scale makes places and velocities larger; a turn moves the
@@ -112,15 +119,19 @@ SheetComparison compare_field(const Sheet& sheet, const ObservedField& field, co
     return out;
 }
 
-void write_vectors(const std::filesystem::path& folder, const std::string& experiment, const std::vector<ComparedVector>& vectors) {
+void write_vectors(
+    const std::filesystem::path& folder, const std::string& experiment, const std::vector<ComparedVector>& vectors) {
     auto table = CsvTable::create(vector_file(folder, experiment), vector_columns);
-    for (const auto& one : vectors) table.append(std::vector<double>{double(one.field), one.measured.x, one.measured.y, one.measured.u, one.measured.v, one.u, one.v});
+    for (const auto& one : vectors)
+        table.append(std::vector<double>{
+            double(one.field), one.measured.x, one.measured.y, one.measured.u, one.measured.v, one.u, one.v});
     table.sync();
 }
 
 std::vector<ComparedVector> read_vectors(const std::filesystem::path& folder, const std::string& experiment) {
     std::vector<ComparedVector> out;
-    if (!std::filesystem::exists(vector_file(folder, experiment))) return out; // of another study that did not keep them
+    if (!std::filesystem::exists(vector_file(folder, experiment)))
+        return out; // of another study that did not keep them
     const auto table = read_csv(vector_file(folder, experiment));
     std::vector<const std::vector<double>*> c;
     for (const auto& name : vector_columns) c.push_back(&table.column(name));

@@ -7,16 +7,17 @@ namespace treacle::identify {
 
 // Liquid of one frame of a run, for a sheet of PIV.
 struct SheetFlow {
-    double time = 0; // [s]
-    std::function<std::optional<LocalVelocity>(const Vec3&)> liquid;   // nothing outside of the liquid
-    std::function<std::optional<Vec3>(const Vec3&)> solid; // velocity of the solid that holds the point [m/s]; nothing outside
+    double time = 0;                                                 // [s]
+    std::function<std::optional<LocalVelocity>(const Vec3&)> liquid; // nothing outside of the liquid
+    std::function<std::optional<Vec3>(const Vec3&)>
+        solid; // velocity of the solid that holds the point [m/s]; nothing outside
 };
 
 // Mean over an interrogation window, in the sheet's axes.
 struct WindowVelocity {
-    bool seen = false;     // most of the window is liquid or solid
-    bool touches = false;  // some of it is solid
-    std::array<double, 2> velocity{}; // [m/s] right, up
+    bool seen = false;                               // most of the window is liquid or solid
+    bool touches = false;                            // some of it is solid
+    std::array<double, 2> velocity{};                // [m/s] right, up
     std::array<std::array<double, 2>, 2> gradient{}; // [1/s] of the one and the other, by right and up
 };
 // By nine points of Gauss in the window. In a solid the liquid goes on with the solid's velocity (no slip).
@@ -38,10 +39,12 @@ struct SheetComparison {
 
 // Compares a field with the flow between two frames, linear in time. Residuals are simulated less measured velocities over the
 // sheet's noise. Windows that touch a solid of the run are not compared, but have a value.
-SheetComparison compare_field(const Sheet& sheet, const ObservedField& field, const SheetFlow& before, const SheetFlow& after);
+SheetComparison compare_field(
+    const Sheet& sheet, const ObservedField& field, const SheetFlow& before, const SheetFlow& after);
 
 // fields_NAME.csv.
-void write_vectors(const std::filesystem::path& folder, const std::string& experiment, const std::vector<ComparedVector>& vectors);
+void write_vectors(
+    const std::filesystem::path& folder, const std::string& experiment, const std::vector<ComparedVector>& vectors);
 std::vector<ComparedVector> read_vectors(const std::filesystem::path& folder, const std::string& experiment);
 
 } // namespace treacle::identify

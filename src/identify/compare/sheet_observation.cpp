@@ -17,7 +17,8 @@ namespace {
 std::vector<std::filesystem::path> matching(const std::filesystem::path& pattern) {
     std::vector<std::filesystem::path> out;
     glob_t found{};
-    if (glob(pattern.c_str(), 0, nullptr, &found) == 0) out.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc); // sorted by name
+    if (glob(pattern.c_str(), 0, nullptr, &found) == 0)
+        out.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc); // sorted by name
     globfree(&found);
     return out;
 }
@@ -26,10 +27,13 @@ std::vector<video::PivField> read_fields(const Sheet& sheet, const Beside& besid
     std::vector<video::PivField> out;
     for (const auto& name : sheet.files) {
         const auto paths = matching(beside(name));
-        if (paths.empty()) throw InputError({sheet.where, "files = " + name + " is not there", "names are taken from the study's folder", "check the name"});
+        if (paths.empty())
+            throw InputError({sheet.where, "files = " + name + " is not there",
+                "names are taken from the study's folder", "check the name"});
         for (const auto& path : paths) {
             for (auto& field : read_piv(path)) {
-                out.push_back(video::in_si(std::move(field), {sheet.pixel, sheet.pair_interval}, sheet.where + ": " + path.string()));
+                out.push_back(video::in_si(
+                    std::move(field), {sheet.pixel, sheet.pair_interval}, sheet.where + ": " + path.string()));
             }
         }
     }
@@ -45,12 +49,13 @@ std::vector<double> times_of(const Sheet& sheet, const Beside& beside, std::size
     const auto table = read_csv(beside(sheet.times));
     out = table.column("time");
     if (out.size() == count) return out;
-    throw InputError({sheet.where, "times = " + sheet.times + " has " + std::to_string(out.size()) + " rows", "there are " + std::to_string(count) + " fields",
-                      "give a row a field"});
+    throw InputError({sheet.where, "times = " + sheet.times + " has " + std::to_string(out.size()) + " rows",
+        "there are " + std::to_string(count) + " fields", "give a row a field"});
 }
 
 // Marks outliers as not valid; returns how many of each field.
-std::vector<std::size_t> mark_outliers(const Sheet& sheet, std::vector<video::PivField>& fields, const std::vector<double>& times) {
+std::vector<std::size_t> mark_outliers(
+    const Sheet& sheet, std::vector<video::PivField>& fields, const std::vector<double>& times) {
     std::vector<std::size_t> before, out;
     for (const auto& field : fields) before.push_back(field.count_valid());
     if (sheet.outliers.median > 0) {
@@ -61,7 +66,9 @@ std::vector<std::size_t> mark_outliers(const Sheet& sheet, std::vector<video::Pi
         const double step = times[1] - times[0];
         for (const auto& field : fields) {
             if (field.x.size() == fields.front().x.size()) continue;
-            throw InputError({sheet.where, "outliers.alpha compares fields in time, and these differ in their number of vectors", "a vector needs its neighbours in time", "leave alpha out"});
+            throw InputError(
+                {sheet.where, "outliers.alpha compares fields in time, and these differ in their number of vectors",
+                    "a vector needs its neighbours in time", "leave alpha out"});
         }
         video::reject_sudden(fields, sheet.outliers.alpha * step * step, sheet.outliers.floor * step * step);
     }
@@ -69,12 +76,14 @@ std::vector<std::size_t> mark_outliers(const Sheet& sheet, std::vector<video::Pi
     return out;
 }
 
-ObservedField convert(const Sheet& sheet, const video::PivField& field, double time, const std::vector<scene::SolidRegion>& mask, const Touches& touches, SheetCounts& counts) {
+ObservedField convert(const Sheet& sheet, const video::PivField& field, double time,
+    const std::vector<scene::SolidRegion>& mask, const Touches& touches, SheetCounts& counts) {
     ObservedField out;
     out.time = time;
     for (std::size_t i = 0; i < field.x.size(); ++i) {
         if (!field.valid[i]) continue;
-        const SheetVector vector{field.x[i], sheet.y == Upward::up ? field.y[i] : -field.y[i], field.u[i], sheet.v == Upward::up ? field.v[i] : -field.v[i]};
+        const SheetVector vector{field.x[i], sheet.y == Upward::up ? field.y[i] : -field.y[i], field.u[i],
+            sheet.v == Upward::up ? field.v[i] : -field.v[i]};
         const auto point = sheet.point(vector.x, vector.y);
         if (std::ranges::any_of(mask, [&](const scene::SolidRegion& region) { return region.distance(point) <= 0; })) {
             ++counts.masked;
@@ -107,9 +116,10 @@ ObservedSheet observe_sheet(const Experiment& experiment, const Beside& beside, 
     }
     if (out.counts.kept() == 0) {
         throw InputError({experiment.where, "no vector of the fields is left",
-                          std::to_string(out.counts.missing) + " were not measured, " + std::to_string(out.counts.outliers) + " are outliers, " +
-                              std::to_string(out.counts.masked) + " masked, " + std::to_string(out.counts.touching) + " touch the ball",
-                          "look at mask, ball and outliers"});
+            std::to_string(out.counts.missing) + " were not measured, " + std::to_string(out.counts.outliers) +
+                " are outliers, " + std::to_string(out.counts.masked) + " masked, " +
+                std::to_string(out.counts.touching) + " touch the ball",
+            "look at mask, ball and outliers"});
     }
     return out;
 }

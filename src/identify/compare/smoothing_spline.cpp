@@ -21,7 +21,8 @@ Bands bands_of(const std::vector<double>& times) {
     const auto n = Eigen::Index(times.size());
     std::vector<Eigen::Triplet<double>> q, r;
     for (Eigen::Index j = 0; j + 2 < n; ++j) {
-        const double before = times[std::size_t(j + 1)] - times[std::size_t(j)], after = times[std::size_t(j + 2)] - times[std::size_t(j + 1)];
+        const double before = times[std::size_t(j + 1)] - times[std::size_t(j)],
+                     after = times[std::size_t(j + 2)] - times[std::size_t(j + 1)];
         q.emplace_back(j, j, 1 / before);
         q.emplace_back(j + 1, j, -1 / before - 1 / after);
         q.emplace_back(j + 2, j, 1 / after);
@@ -44,10 +45,12 @@ Vector bends_of(const Bands& bands, const Vector& squares, const Vector& values,
 }
 } // namespace
 
-SmoothingSpline::SmoothingSpline(std::span<const double> times, std::span<const double> values, std::span<const double> deviations)
+SmoothingSpline::SmoothingSpline(
+    std::span<const double> times, std::span<const double> values, std::span<const double> deviations)
     : times_(times.begin(), times.end()), values_(values.begin(), values.end()), bends_(times.size()) {
     const auto n = times.size();
-    if (n < 2 || values.size() != n || deviations.size() != n || std::ranges::adjacent_find(times_, std::greater_equal<>()) != times_.end()) {
+    if (n < 2 || values.size() != n || deviations.size() != n ||
+        std::ranges::adjacent_find(times_, std::greater_equal<>()) != times_.end()) {
         throw std::invalid_argument("a spline needs two times at least that grow");
     }
     if (n == 2) return;
@@ -55,7 +58,9 @@ SmoothingSpline::SmoothingSpline(std::span<const double> times, std::span<const 
     const Vector y = Eigen::Map<const Vector>(values.data(), Eigen::Index(n));
     const Vector squares = Eigen::Map<const Vector>(deviations.data(), Eigen::Index(n)).cwiseAbs2();
     // Misfit S Q bends weight, in units of the deviations.
-    const auto misfit = [&](double weight, const Vector& bends) { return weight * weight * (squares.asDiagonal() * Vector(bands.q * bends)).dot(Vector(bands.q * bends)); };
+    const auto misfit = [&](double weight, const Vector& bends) {
+        return weight * weight * (squares.asDiagonal() * Vector(bands.q * bends)).dot(Vector(bands.q * bends));
+    };
     double weight = 0;
     if (squares.maxCoeff() > 0) {
         double low = -80, high = 80; // of the logarithm
@@ -80,7 +85,8 @@ double SmoothingSpline::at(double time) const {
     const double inside = std::clamp(time, first(), last());
     const auto i = interval_of(inside);
     const double h = times_[i + 1] - times_[i], a = (times_[i + 1] - inside) / h, b = 1 - a;
-    const double value = a * values_[i] + b * values_[i + 1] + ((a * a * a - a) * bends_[i] + (b * b * b - b) * bends_[i + 1]) * h * h / 6;
+    const double value = a * values_[i] + b * values_[i + 1] +
+                         ((a * a * a - a) * bends_[i] + (b * b * b - b) * bends_[i + 1]) * h * h / 6;
     return value + (time - inside) * (time == inside ? 0 : slope(inside));
 }
 

@@ -43,17 +43,20 @@ double thread_place(const video::Mask& mask) {
     const auto rows = rows_of(mask);
     const auto has = [](const Row& row) { return row.width > 0; };
     const auto top = std::ranges::find_if(rows, has) - rows.begin();
-    const auto bottom = std::ptrdiff_t(rows.size()) - (std::ranges::find_if(rows.rbegin(), rows.rend(), has) - rows.rbegin());
+    const auto bottom =
+        std::ptrdiff_t(rows.size()) - (std::ranges::find_if(rows.rbegin(), rows.rend(), has) - rows.rbegin());
     if (top >= bottom) return std::nan("");
     std::vector<int> widths;
-    for (auto r = top; r < top + std::max<std::ptrdiff_t>(1, (bottom - top) / 5); ++r) widths.push_back(rows[std::size_t(r)].width);
+    for (auto r = top; r < top + std::max<std::ptrdiff_t>(1, (bottom - top) / 5); ++r)
+        widths.push_back(rows[std::size_t(r)].width);
     std::ranges::nth_element(widths, widths.begin() + std::ptrdiff_t(widths.size() / 2));
     const double thread = widths[widths.size() / 2];
     auto heap = top;
     while (heap < bottom && rows[std::size_t(heap)].width <= wide * thread) ++heap;
     const double fall = double(heap - top);
     double sum = 0, count = 0;
-    for (auto r = std::ptrdiff_t(double(heap) - high * fall); r <= std::ptrdiff_t(double(heap) - low * fall) && r < bottom; ++r) {
+    for (auto r = std::ptrdiff_t(double(heap) - high * fall);
+         r <= std::ptrdiff_t(double(heap) - low * fall) && r < bottom; ++r) {
         sum += rows[std::size_t(r)].sum;
         count += rows[std::size_t(r)].width;
     }
@@ -94,7 +97,8 @@ TurningRate rate_between(const Turning& turning, double begin, double end) {
     const double from = std::max(begin, passages.front()), to = std::min(end, passages.back());
     if (to - from < 0.5 * (end - begin)) return {};
     const auto half_turns = [&](double time) {
-        const auto after = std::clamp<std::ptrdiff_t>(std::ranges::upper_bound(passages, time) - passages.begin(), 1, std::ptrdiff_t(passages.size()) - 1);
+        const auto after = std::clamp<std::ptrdiff_t>(
+            std::ranges::upper_bound(passages, time) - passages.begin(), 1, std::ptrdiff_t(passages.size()) - 1);
         const auto i = std::size_t(after);
         return double(i) - (passages[i] - time) / (passages[i] - passages[i - 1]);
     };

@@ -8,13 +8,16 @@
 namespace treacle::identify {
 
 namespace {
-constexpr double support = 2.2;       // radius in spacings: 44 particles in 3D, 15 in 2D
-constexpr double surface_share = 0.4; // of the particles around a point in the bulk; at a flat surface there are half of them
+constexpr double support = 2.2; // radius in spacings: 44 particles in 3D, 15 in 2D
+constexpr double surface_share =
+    0.4; // of the particles around a point in the bulk; at a flat surface there are half of them
 } // namespace
 
-VelocitySampler::VelocitySampler(std::span<const double> positions, std::span<const double> velocities, double spacing, int dimensions)
+VelocitySampler::VelocitySampler(
+    std::span<const double> positions, std::span<const double> velocities, double spacing, int dimensions)
     : positions_(positions), velocities_(velocities), radius_(support * spacing), dimensions_(dimensions) {
-    const double bulk = dimensions == 2 ? std::numbers::pi * support * support : 4 * std::numbers::pi / 3 * support * support * support;
+    const double bulk =
+        dimensions == 2 ? std::numbers::pi * support * support : 4 * std::numbers::pi / 3 * support * support * support;
     fewest_ = surface_share * bulk;
     for (std::size_t i = 0; 3 * i < positions.size(); ++i) cells_[cell_of(positions.data() + 3 * i)].push_back(i);
 }
@@ -36,7 +39,8 @@ std::optional<LocalVelocity> VelocitySampler::at(const Vec3& point) const {
                 if (cell == cells_.end()) continue;
                 for (const auto particle : cell->second) {
                     const double* x = positions_.data() + 3 * particle;
-                    const Eigen::Vector4d basis{1, (x[0] - point[0]) / radius_, (x[1] - point[1]) / radius_, dimensions_ == 2 ? 0 : (x[2] - point[2]) / radius_};
+                    const Eigen::Vector4d basis{1, (x[0] - point[0]) / radius_, (x[1] - point[1]) / radius_,
+                        dimensions_ == 2 ? 0 : (x[2] - point[2]) / radius_};
                     const double square = basis.tail<3>().squaredNorm();
                     if (square >= 1) continue;
                     const double weight = (1 - square) * (1 - square);
@@ -53,7 +57,8 @@ std::optional<LocalVelocity> VelocitySampler::at(const Vec3& point) const {
     LocalVelocity out;
     for (int c = 0; c < 3; ++c) {
         out.velocity[std::size_t(c)] = fit(0, c);
-        for (int axis = 0; axis < 3; ++axis) out.gradient[std::size_t(c)][std::size_t(axis)] = fit(1 + axis, c) / radius_;
+        for (int axis = 0; axis < 3; ++axis)
+            out.gradient[std::size_t(c)][std::size_t(axis)] = fit(1 + axis, c) / radius_;
     }
     return out;
 }

@@ -6,7 +6,8 @@ namespace treacle::identify {
 // (D1) Information [p][p] that an experiment would give of the parameters' coordinates, from a run at the answer and one a
 // parameter, all compared with the same contours, beside a view that is known by its prior alone. variance: of a segment that counts as
 // one, in units of the usual noise squared. Throws InputError where the runs have nothing in common to compare.
-Eigen::MatrixXd information_of_runs(const RunResiduals& base, const std::vector<RunResiduals>& moved, const std::vector<double>& steps, const ViewInformation& prior, double variance);
+Eigen::MatrixXd information_of_runs(const RunResiduals& base, const std::vector<RunResiduals>& moved,
+    const std::vector<double>& steps, const ViewInformation& prior, double variance);
 
 // Variance of a segment of an answer's residuals, noise and correlation together, in units of the usual noise squared: the mean over its
 // experiments.

@@ -11,7 +11,8 @@ constexpr int window_count = 4;
 
 // Window of each frame of the experiment: about a quarter of the information of all on the parameter, and two frames at
 // least.
-std::map<int, int> windows_of(std::size_t experiment, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
+std::map<int, int> windows_of(
+    std::size_t experiment, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
     std::map<int, double> told; // by frame
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         if (layout.rows[i].experiment == experiment) told[at(run, layout.rows[i]).frame] += telling[Eigen::Index(i)];
@@ -60,13 +61,15 @@ Drift drift_of(std::size_t experiment, const WholeFit& all) {
         const int window = window_by_frame.at(segment.frame);
         g(Eigen::Index(i), window) = gradient[rows[i]];
         g.row(Eigen::Index(i)).tail(view_count) = view.row(rows[i]).segment(first_view, view_count);
-        own_blocks.push_back(numbers.try_emplace({blocks[std::size_t(rows[i])], window}, int(numbers.size())).first->second);
+        own_blocks.push_back(
+            numbers.try_emplace({blocks[std::size_t(rows[i])], window}, int(numbers.size())).first->second);
         auto& times = out.windows[std::size_t(window)];
         times.from = std::min(times.from, segment.time);
         times.to = std::max(times.to, segment.time);
     }
     Matrix priors = Matrix::Zero(g.cols(), g.cols());
-    priors.bottomRightCorner(view_count, view_count) = information.block(first_view, first_view, view_count, view_count);
+    priors.bottomRightCorner(view_count, view_count) =
+        information.block(first_view, first_view, view_count, view_count);
     // The view begins from the fit's: its distance from what is stated pulls it back.
     const Vector away = whole.x.tail(view.cols()).segment(first_view, view_count);
     const Matrix weighted = part.weights.asDiagonal() * g;
@@ -77,7 +80,8 @@ Drift drift_of(std::size_t experiment, const WholeFit& all) {
     part.left = r + g * part.x;
     const Matrix changes = block_changes({part, g, own_blocks}, priors);
     const Matrix by_priors = part.inverse.topRows(window_count);
-    const Matrix covariance = changes.leftCols(window_count).transpose() * changes.leftCols(window_count) + by_priors * priors * by_priors.transpose();
+    const Matrix covariance = changes.leftCols(window_count).transpose() * changes.leftCols(window_count) +
+                              by_priors * priors * by_priors.transpose();
     // Straight line by least squares over the windows' numbers.
     Vector line(window_count);
     for (int k = 0; k < window_count; ++k) line[k] = k - 0.5 * (window_count - 1);

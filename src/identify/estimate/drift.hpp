@@ -8,9 +8,9 @@ struct WholeFit {
     const EvaluatedRun& run;
     const Layout& layout;
     const Fit& fit;
-    Vector gradient;           // [rows] of the residuals by the parameter
-    const Matrix& view;        // [rows][views' parameters]
-    Matrix information;        // on the views' parameters
+    Vector gradient;    // [rows] of the residuals by the parameter
+    const Matrix& view; // [rows][views' parameters]
+    Matrix information; // on the views' parameters
     const std::vector<int>& blocks;
 };
 

@@ -56,12 +56,15 @@ VarianceParts parts_of(Eigen::Index k, Eigen::Index p, const Spread& spread, con
     VarianceParts out;
     const Matrix& a = fit.inverse;
     const Vector moves = g * a.col(k);
-    out.pixels = std::max(changes.col(k).squaredNorm(), moves.dot(fit.weights.cwiseProduct(moves))); // of blocks, and of diluted segments
+    out.pixels = std::max(
+        changes.col(k).squaredNorm(), moves.dot(fit.weights.cwiseProduct(moves))); // of blocks, and of diluted segments
     for (std::size_t e = 0; e < run.experiments.size(); ++e) {
         const auto& views = view_parameters(run.experiments[e].kind);
-        for (std::size_t first = 0, end = 0; first < views.size(); first = end) { // parameters of a part share a covariance
+        for (std::size_t first = 0, end = 0; first < views.size();
+             first = end) { // parameters of a part share a covariance
             while (end < views.size() && views[end].part == views[first].part) ++end;
-            const auto at_view = p + Eigen::Index(e) * view_count + Eigen::Index(first), count = Eigen::Index(end - first);
+            const auto at_view = p + Eigen::Index(e) * view_count + Eigen::Index(first),
+                       count = Eigen::Index(end - first);
             const Vector column = a.row(k).segment(at_view, count).transpose();
             part_of(out, views[first].part) += column.dot(information.block(at_view, at_view, count, count) * column);
         }
@@ -77,11 +80,13 @@ Matrix covariance_of(const Spread& spread, Eigen::Index p) {
 }
 
 // Standard deviation of each parameter if every point had the noise of its segment, independent of its neighbours, and the view were known.
-std::vector<double> naive_deviations(const EvaluatedRun& run, const Layout& layout, const Matrix& gradient, const std::vector<double>& noise) {
+std::vector<double> naive_deviations(
+    const EvaluatedRun& run, const Layout& layout, const Matrix& gradient, const std::vector<double>& noise) {
     Vector information = Vector::Zero(gradient.cols());
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const double scale = noise[layout.rows[i].experiment];
-        information += at(run, layout.rows[i]).points / (scale * scale) * gradient.row(Eigen::Index(i)).cwiseAbs2().transpose();
+        information +=
+            at(run, layout.rows[i]).points / (scale * scale) * gradient.row(Eigen::Index(i)).cwiseAbs2().transpose();
     }
     std::vector<double> out;
     for (const double one : information) out.push_back(1 / std::sqrt(one));
@@ -89,7 +94,8 @@ std::vector<double> naive_deviations(const EvaluatedRun& run, const Layout& layo
 }
 
 // By experiment and frame: squares of what is left over in the experiment's unit, weighted by the points of the segments; these points; the time [s].
-std::map<std::pair<std::size_t, int>, std::array<double, 3>> squares_by_frame(const EvaluatedRun& run, const Layout& layout, const Vector& left) {
+std::map<std::pair<std::size_t, int>, std::array<double, 3>> squares_by_frame(
+    const EvaluatedRun& run, const Layout& layout, const Vector& left) {
     std::map<std::pair<std::size_t, int>, std::array<double, 3>> out;
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
@@ -155,9 +161,11 @@ std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<
     if (layout.rows.empty()) return {};
     const auto size = sizes(run, layout);
     const auto information = prior_matrix(priors, 0);
-    const auto best = fit({displacements(run, layout), view_matrix(run, layout), size, information}, layout, {true, bend, {}, 0});
+    const auto best =
+        fit({displacements(run, layout), view_matrix(run, layout), size, information}, layout, {true, bend, {}, 0});
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
-        out[first[layout.rows[i].experiment] + layout.rows[i].segment] = std::sqrt(size[Eigen::Index(i)]) * best.left[Eigen::Index(i)];
+        out[first[layout.rows[i].experiment] + layout.rows[i].segment] =
+            std::sqrt(size[Eigen::Index(i)]) * best.left[Eigen::Index(i)];
     }
     const auto beyond = beyond_contours(run);
     out.insert(out.end(), beyond.begin(), beyond.end());
@@ -170,12 +178,15 @@ std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<Vi
     std::vector<double> squares(run.experiments.size(), 0.0), frames(run.experiments.size(), 0.0), out;
     const auto layout = layout_of(run, {}, {});
     if (layout.rows.empty()) return std::vector<double>(run.experiments.size(), std::nan(""));
-    const auto best = fit({displacements(run, layout), view_matrix(run, layout), sizes(run, layout), prior_matrix(priors, 0)}, layout, {true, bend, {}, 0});
+    const auto best =
+        fit({displacements(run, layout), view_matrix(run, layout), sizes(run, layout), prior_matrix(priors, 0)}, layout,
+            {true, bend, {}, 0});
     for (const auto& [key, sum] : squares_by_frame(run, layout, best.left)) {
         squares[key.first] += sum[0] / sum[1];
         frames[key.first] += 1;
     }
-    for (std::size_t e = 0; e < squares.size(); ++e) out.push_back(frames[e] > 0 ? std::sqrt(squares[e] / frames[e]) : std::nan(""));
+    for (std::size_t e = 0; e < squares.size(); ++e)
+        out.push_back(frames[e] > 0 ? std::sqrt(squares[e] / frames[e]) : std::nan(""));
     return out;
 }
 
@@ -195,7 +206,8 @@ double ninety_percent(const VarianceParts& parts, double freedom) {
     const double n = 1 / inverse;
     // Expansion of the quantile in 1 / n (Abramowitz & Stegun 26.7.5).
     const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-    return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) + (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
+    return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +
+           (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
 }
 
 namespace {
@@ -210,9 +222,9 @@ struct Given {
 class Estimator {
 public:
     Estimator(const Given& given, const EvaluatedRun& best, const Layout& layout)
-        : given_(given), best_(best), layout_(layout), p_(given.runs.front().point.size()), bounded_(given.range.lower.size() == p_),
-          size_(sizes(best, layout)), views_(view_matrix(best, layout)), information_(prior_matrix(given.priors, p_)),
-          g_(views_.rows(), p_ + views_.cols()) {
+        : given_(given), best_(best), layout_(layout), p_(given.runs.front().point.size()),
+          bounded_(given.range.lower.size() == p_), size_(sizes(best, layout)), views_(view_matrix(best, layout)),
+          information_(prior_matrix(given.priors, p_)), g_(views_.rows(), p_ + views_.cols()) {
         if (bounded_) information_.diagonal().head(p_) = given.range.information();
     }
 
@@ -255,7 +267,9 @@ private:
         dilution_ = inflation({result_, g_, blocks_}, block_changes({result_, g_, blocks_}, information_), layout_, p_);
     }
     Matrix view_information() const { return information_.bottomRightCorner(views_.cols(), views_.cols()); }
-    std::vector<double> excess() const { return excesses(result_.x.tail(result_.x.size() - p_), view_information(), best_); }
+    std::vector<double> excess() const {
+        return excesses(result_.x.tail(result_.x.size() - p_), view_information(), best_);
+    }
     void dilute(const std::vector<double>& excess) {
         for (std::size_t e = 0; e < excess.size(); ++e) dilution_[e] *= std::max(1.0, std::min(10.0, excess[e]));
     }
@@ -280,7 +294,8 @@ private:
         for (Eigen::Index k = 0; k < p_; ++k) {
             out_.parts.push_back(parts_of(k, p_, spread, best_));
             const auto squares = spread.changes.col(k).array().square();
-            out_.freedom.push_back(std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
+            out_.freedom.push_back(
+                std::max(1.0, squares.sum() * squares.sum() / std::max(1e-300, squares.square().sum()) - 1));
         }
         const double deviation = std::sqrt(out_.parts.front().total());
         const double slope = model_.gradient.col(0).norm();
@@ -289,13 +304,16 @@ private:
     void tell_fit() {
         const auto& noise = result_.noise;
         out_.naive = naive_deviations(best_, layout_, model_.gradient, noise);
-        for (std::size_t e = 0; e < given_.priors.size(); ++e) out_.view.push_back(result_.x.segment(p_ + Eigen::Index(e) * view_count, view_count));
-        for (std::size_t e = 0; e < layout_.experiments; ++e) out_.noise.push_back(noise[e] * usual_noise(best_.experiments[e].kind));
+        for (std::size_t e = 0; e < given_.priors.size(); ++e)
+            out_.view.push_back(result_.x.segment(p_ + Eigen::Index(e) * view_count, view_count));
+        for (std::size_t e = 0; e < layout_.experiments; ++e)
+            out_.noise.push_back(noise[e] * usual_noise(best_.experiments[e].kind));
         out_.runs = model_.runs;
         out_.dilution = dilution_;
         for (std::size_t e = 0; e < layout_.experiments; ++e) {
             constexpr double half_quantile = 1.353; // of chi square of one degree of freedom, 90 %
-            out_.alike = std::max(out_.alike, half_quantile * dilution_[e] * noise[e] * noise[e] / double(layout_.rows.size()));
+            out_.alike =
+                std::max(out_.alike, half_quantile * dilution_[e] * noise[e] * noise[e] / double(layout_.rows.size()));
         }
         tell_misfit(out_, best_, layout_, result_.left);
     }
@@ -319,14 +337,16 @@ private:
 };
 } // namespace
 
-Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::vector<EvaluatedRun>>& finer, const RangePrior& range) {
-    if (runs.empty()) throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
+Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
+    const std::vector<std::vector<EvaluatedRun>>& finer, const RangePrior& range) {
+    if (runs.empty())
+        throw InputError({"identify", "has no good run", "all have failed", "look at their reasons in the table"});
     const auto& best = least_of(finer.empty() ? runs : finer.back(), priors);
     const auto layout = layout_of(best, runs, finer);
     if (layout.rows.empty()) {
         throw InputError({"identify", "finds nothing to compare: no contour in the masks, no vector in the liquid",
-                          "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",
-                          "look at the masks or fields, and at from and to"});
+            "masks hold no liquid, or only specks and what touches the rim; or sheets lie where no run has liquid",
+            "look at the masks or fields, and at from and to"});
     }
     return Estimator({runs, priors, finer, range}, best, layout).find();
 }

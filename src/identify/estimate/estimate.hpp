@@ -31,14 +31,16 @@ double residual_objective(const EvaluatedRun& run, const std::vector<ViewInforma
 
 // Residuals of a run whose mean loss is its objective, for searches that use them: those of all segments at the view that suits the run best,
 // in units of their usual noise (not a number where there is none), what lies beyond them by frame, and what that view is away from its priors.
-std::vector<double> search_residuals(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
+std::vector<double> search_residuals(
+    const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
 // Unit of the misfits of an experiment: "px" of contours, "noises" of the measurement of all others.
 const char* misfit_unit(ExperimentKind kind);
 
 // Root mean square residual of each experiment over its frames, at the view that suits the run best, in misfit_unit; not a number where
 // the run has nothing to compare.
-std::vector<double> misfits_of_run(const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
+std::vector<double> misfits_of_run(
+    const EvaluatedRun& run, const std::vector<ViewInformation>& priors, double bend = 3);
 
 // Parts of the variance of the logarithm of a parameter.
 struct VarianceParts {
@@ -73,7 +75,8 @@ struct Estimate {
     Eigen::VectorXd point;            // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
     Eigen::MatrixXd covariance;       // [p][p] of pixels, views and ranges
-    std::vector<double> naive; // (I5b) [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
+    std::vector<double>
+        naive; // (I5b) [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
     std::vector<double> freedom;       // [p] degrees of freedom of the part of the pixels: few with few blocks
     std::vector<Eigen::VectorXd> view; // per experiment [view_count]: what the fit takes them for, less what was stated
     std::vector<double> noise;         // per experiment: standard deviation of a segment's residual in its unit, robust
@@ -99,6 +102,6 @@ struct Estimate {
 // range: what else is known of several parameters; the point stays within it. Of several, the view is free within its priors, and all
 // experiments have one scale and dilution, which widens the covariance alone.
 Estimate estimate(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
-                  const std::vector<std::vector<EvaluatedRun>>& finer = {}, const RangePrior& range = {});
+    const std::vector<std::vector<EvaluatedRun>>& finer = {}, const RangePrior& range = {});
 
 } // namespace treacle::identify

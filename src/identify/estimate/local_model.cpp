@@ -23,8 +23,8 @@ std::vector<const EvaluatedRun*> runs_near(const std::vector<EvaluatedRun>& runs
         if (distance <= (p == 1 ? farthest : reach) || out.size() < wanted) out.push_back(run);
     }
     if (out.size() < p + 1) {
-        throw InputError({"identify", "has " + std::to_string(out.size()) + " good runs", "its local model needs " + std::to_string(p + 1),
-                          "raise search.evaluations, or see why runs failed"});
+        throw InputError({"identify", "has " + std::to_string(out.size()) + " good runs",
+            "its local model needs " + std::to_string(p + 1), "raise search.evaluations, or see why runs failed"});
     }
     return out;
 }
@@ -55,7 +55,8 @@ LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layo
 }
 
 void correct(LocalModel& model, const std::vector<EvaluatedRun>& runs, const Layout& layout, const Vector& centre) {
-    constexpr double hidden = 0.1; // distance, of the logarithm of a viscosity, over which the model's slope errs by as much as runs scatter
+    constexpr double hidden =
+        0.1; // distance, of the logarithm of a viscosity, over which the model's slope errs by as much as runs scatter
     const auto p = centre.size(), count = Eigen::Index(runs.size());
     Matrix basis = Matrix::Zero(count + p, p + 1), beyond = Matrix::Zero(count + p, model.value.size());
     for (Eigen::Index i = 0; i < count; ++i) {

@@ -10,15 +10,18 @@ namespace {
 // The answer of one clip alone.
 struct ClipAnswer {
     std::size_t set_up = 0;
-    Eigen::VectorXd point, own; // [p] variance: what the clip has by itself; camera and threshold are the same in all clips of a set-up
+    Eigen::VectorXd point,
+        own; // [p] variance: what the clip has by itself; camera and threshold are the same in all clips of a set-up
 };
 
-ClipAnswer answer_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, std::size_t clip) {
+ClipAnswer answer_of(
+    const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, std::size_t clip) {
     std::vector<EvaluatedRun> alone;
     for (const auto& run : runs) alone.push_back({run.point, {run.experiments[clip]}});
     const auto found = estimate(alone, {priors[clip]});
     ClipAnswer out{0, found.point, Eigen::VectorXd(found.point.size())};
-    for (std::size_t k = 0; k < found.parts.size(); ++k) out.own[Eigen::Index(k)] = found.parts[k].pixels + found.parts[k].time;
+    for (std::size_t k = 0; k < found.parts.size(); ++k)
+        out.own[Eigen::Index(k)] = found.parts[k].pixels + found.parts[k].time;
     return out;
 }
 
@@ -44,7 +47,8 @@ std::pair<Eigen::VectorXd, double> between(const std::vector<ClipAnswer>& clips)
     return {(square / freedom - own / count).cwiseMax(0), freedom};
 }
 
-ClipScatter scatter_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::size_t>& set_up) {
+ClipScatter scatter_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors,
+    const std::vector<std::size_t>& set_up) {
     std::vector<ClipAnswer> clips;
     for (std::size_t e = 0; e < set_up.size(); ++e) {
         clips.push_back(answer_of(runs, priors, e));
@@ -72,12 +76,15 @@ std::vector<std::size_t> set_ups(const std::vector<Experiment>& experiments) {
     std::vector<std::size_t> out;
     for (std::size_t e = 0; e < experiments.size(); ++e) {
         const auto first = std::ranges::find(experiments, experiments[e].repeats, &Experiment::name);
-        out.push_back(experiments[e].repeats.empty() || first == experiments.end() ? e : std::size_t(first - experiments.begin()));
+        out.push_back(experiments[e].repeats.empty() || first == experiments.end()
+                          ? e
+                          : std::size_t(first - experiments.begin()));
     }
     return out;
 }
 
-std::optional<ClipScatter> between_clips(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, const std::vector<std::size_t>& set_up) {
+std::optional<ClipScatter> between_clips(const std::vector<EvaluatedRun>& runs,
+    const std::vector<ViewInformation>& priors, const std::vector<std::size_t>& set_up) {
     if (runs.empty()) return {};
     std::vector<std::size_t> different = set_up;
     std::ranges::sort(different);

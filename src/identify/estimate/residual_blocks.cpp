@@ -22,11 +22,15 @@ std::map<std::size_t, std::map<int, int>> frame_order(const EvaluatedRun& run, c
 }
 
 // Windows of time are averages, independent of each other but whole: what a turn does it does all around.
-bool is_averaged(const EvaluatedRun& run, const Layout::Row& row) { return run.experiments[row.experiment].kind == ExperimentKind::occupancy; }
+bool is_averaged(const EvaluatedRun& run, const Layout::Row& row) {
+    return run.experiments[row.experiment].kind == ExperimentKind::occupancy;
+}
 } // namespace
 
-int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
-    std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>> series; // by experiment and sector: sums by frame
+int correlation_frames(
+    const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector) {
+    std::map<std::pair<std::size_t, int>, std::map<int, std::pair<double, int>>>
+        series; // by experiment and sector: sums by frame
     auto order = frame_order(run, layout);
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
         const auto& row = layout.rows[i];
@@ -73,7 +77,8 @@ std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     }
     return out;
 }
-std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each) {
+std::vector<int> blocks_of(
+    const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each) {
     auto order = frame_order(run, layout);
     std::map<std::tuple<std::size_t, int, int>, int> numbers;
     std::vector<int> out;
@@ -99,7 +104,8 @@ Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
     Matrix whole = information;
     for (const auto& share : shares) whole += share;
     Matrix out(count, n);
-    for (int b = 0; b < count; ++b) out.row(b) = (whole - shares[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
+    for (int b = 0; b < count; ++b)
+        out.row(b) = (whole - shares[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
@@ -119,7 +125,8 @@ std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, 
     std::vector<double> out(layout.experiments, 1);
     for (std::size_t e = 0; e < layout.experiments; ++e) {
         for (Eigen::Index k = 0; k < p; ++k) {
-            if (independent(Eigen::Index(e), k) > 0) out[e] = std::max(out[e], by_blocks(Eigen::Index(e), k) / independent(Eigen::Index(e), k));
+            if (independent(Eigen::Index(e), k) > 0)
+                out[e] = std::max(out[e], by_blocks(Eigen::Index(e), k) / independent(Eigen::Index(e), k));
         }
     }
     return out;

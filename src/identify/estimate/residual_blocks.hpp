@@ -4,11 +4,13 @@
 namespace treacle::identify {
 
 // Frames until the displacements left over are no more correlated: from those of segments at like places in the picture.
-int correlation_frames(const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector);
+int correlation_frames(
+    const EvaluatedRun& run, const Layout& layout, const Vector& left, const std::vector<int>& sector);
 // Sixths of the picture around the middle of a frame's contour: parts that share no noise. One where frames are averages.
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout);
 // Block of each row: neighbouring frames, a sector.
-std::vector<int> blocks_of(const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each);
+std::vector<int> blocks_of(
+    const EvaluatedRun& run, const Layout& layout, const std::vector<int>& sector, int frames_each);
 // A fit, the gradient [rows][parameters] of its model, and the block of each row.
 struct BlockedFit {
     const Fit& fit;

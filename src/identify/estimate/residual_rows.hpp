@@ -18,10 +18,13 @@ struct Layout {
 };
 
 // Segments that stand in every run and that `run` compares.
-Layout layout_of(const EvaluatedRun& run, const std::vector<EvaluatedRun>& others, const std::vector<std::vector<EvaluatedRun>>& finer);
+Layout layout_of(const EvaluatedRun& run, const std::vector<EvaluatedRun>& others,
+    const std::vector<std::vector<EvaluatedRun>>& finer);
 
 // Residual of a row in a run of the layout.
-inline const SegmentResidual& at(const EvaluatedRun& run, const Layout::Row& row) { return run.experiments[row.experiment].segments[row.segment]; }
+inline const SegmentResidual& at(const EvaluatedRun& run, const Layout::Row& row) {
+    return run.experiments[row.experiment].segments[row.segment];
+}
 
 // Residuals [rows], in units of their usual noise.
 Vector displacements(const EvaluatedRun& run, const Layout& layout);

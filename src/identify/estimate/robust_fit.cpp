@@ -9,7 +9,9 @@ namespace {
 constexpr double least_noise = 0.1; // of the usual one
 constexpr int most_rounds = 20;     // of reweighting
 
-double huber_weight(double residual, double scale, double bend) { return std::abs(residual) <= bend * scale ? 1 : bend * scale / std::abs(residual); }
+double huber_weight(double residual, double scale, double bend) {
+    return std::abs(residual) <= bend * scale ? 1 : bend * scale / std::abs(residual);
+}
 
 // The value below which half of the weights lie.
 double weighted_median(std::vector<std::pair<double, double>> values) { // value, weight
@@ -28,7 +30,8 @@ double weighted_median(std::vector<std::pair<double, double>> values) { // value
 std::vector<double> robust_scales(const Vector& residuals, const Layout& layout, const Vector& telling, bool pooled) {
     std::vector<std::vector<std::pair<double, double>>> sizes(pooled ? 1 : layout.experiments);
     for (std::size_t i = 0; i < layout.rows.size(); ++i) {
-        sizes[pooled ? 0 : layout.rows[i].experiment].emplace_back(std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
+        sizes[pooled ? 0 : layout.rows[i].experiment].emplace_back(
+            std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
     }
     std::vector<double> out;
     for (auto& one : sizes) out.push_back(std::max(least_noise, 1.4826 * weighted_median(std::move(one))));
@@ -45,13 +48,17 @@ Fit fit(const LinearModel& model, const Layout& layout, const FitOptions& option
     out.noise.assign(layout.experiments, 1);
     for (int round = 0; round < most_rounds; ++round) {
         out.left = r + g * out.x;
-        if (!options.usual_noise) out.noise = robust_scales(out.left, layout, g.leftCols(options.parameters).rowwise().norm(), options.parameters > 1);
+        if (!options.usual_noise)
+            out.noise = robust_scales(
+                out.left, layout, g.leftCols(options.parameters).rowwise().norm(), options.parameters > 1);
         // Residuals that the view explains are no noise: a first fit that takes it for noise would leave the view where it is, and so the noise.
-        if (round == 0) std::ranges::transform(out.noise, out.noise.begin(), [](double noise) { return std::min(noise, 1.0); });
+        if (round == 0)
+            std::ranges::transform(out.noise, out.noise.begin(), [](double noise) { return std::min(noise, 1.0); });
         for (Eigen::Index i = 0; i < r.size(); ++i) {
             const auto e = layout.rows[std::size_t(i)].experiment;
             const double dilution = options.dilution.empty() ? 1 : options.dilution[e];
-            out.weights[i] = size[i] * huber_weight(out.left[i], out.noise[e], options.bend) / (out.noise[e] * out.noise[e] * dilution);
+            out.weights[i] = size[i] * huber_weight(out.left[i], out.noise[e], options.bend) /
+                             (out.noise[e] * out.noise[e] * dilution);
         }
         const Matrix weighted = out.weights.asDiagonal() * g;
         out.inverse = (g.transpose() * weighted + information).ldlt().solve(Matrix::Identity(g.cols(), g.cols()));

@@ -6,7 +6,7 @@ namespace treacle::identify {
 // (I3) The parameters of a linear model r + G x whose reweighted squares are least within the priors.
 struct Fit {
     Vector x, left, weights;
-    Matrix inverse; // of G^T W G + P
+    Matrix inverse;            // of G^T W G + P
     std::vector<double> noise; // per experiment, in usual ones
 };
 

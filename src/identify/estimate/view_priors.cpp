@@ -25,7 +25,8 @@ ViewInformation series_information(const ViewUncertainty& uncertainty, const Ser
     return out;
 }
 
-ViewInformation information_of(const ViewUncertainty& uncertainty, const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation) {
+ViewInformation information_of(const ViewUncertainty& uncertainty,
+    const std::optional<Eigen::Matrix<double, 6, 6>>& pose, double focal_deviation) {
     ViewInformation out = ViewInformation::Zero();
     out(view_time, view_time) = information(uncertainty.time_zero);
     out(view_contour, view_contour) = information(uncertainty.contour);

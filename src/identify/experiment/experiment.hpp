@@ -33,20 +33,21 @@ struct ViewUncertainty {
 // An observation of a flow beside the scene that simulates it: a film's contours, frame by frame or of how often pixels are liquid, velocity fields in a sheet, or numbers over time.
 struct Experiment {
     std::string name;
-    std::string scene;    // name of the study's scene; empty: its first
+    std::string scene; // name of the study's scene; empty: its first
     ExperimentKind kind = ExperimentKind::contours;
-    std::string masks;    // folder of `treacle silhouettes` or `treacle film`, beside the study's file
-    Occupancy occupancy;  // of the masks
+    std::string masks;   // folder of `treacle silhouettes` or `treacle film`, beside the study's file
+    Occupancy occupancy; // of the masks
     Sheet piv;
     Series series;
     std::vector<std::string> see_through; // names of bodies of clear material: walls of glass
-    std::string camera;   // a camera file, or the name of a camera of the scene
-    double time_zero = 0; // [s] time of the masks' table at which the scene's time is 0
-    double from = 0;      // [s] of the scene's time
-    double to = 0;        // [s]; 0: as long as both last
-    int every = 1;        // masks from one that is compared to the next
-    double readout = 0;   // [s] from the first to the last row of a rolling shutter; a mask's time is that of its middle row
-    std::string repeats;  // name of the experiment of whose set-up this is another clip; empty: a set-up of its own
+    std::string camera;                   // a camera file, or the name of a camera of the scene
+    double time_zero = 0;                 // [s] time of the masks' table at which the scene's time is 0
+    double from = 0;                      // [s] of the scene's time
+    double to = 0;                        // [s]; 0: as long as both last
+    int every = 1;                        // masks from one that is compared to the next
+    double readout =
+        0; // [s] from the first to the last row of a rolling shutter; a mask's time is that of its middle row
+    std::string repeats; // name of the experiment of whose set-up this is another clip; empty: a set-up of its own
     ViewUncertainty plus_minus;
     std::string where;
 
@@ -74,7 +75,8 @@ struct SearchSettings {
     int evaluations = 20;                           // at most
     double tolerance = 0.03;                        // of the parameters, relative
     int seed = 1;                                   // of cma_es and dissertation; other methods draw nothing
-    std::vector<std::string> rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
+    std::vector<std::string>
+        rungs; // spacings of the scenes, the coarsest first: the search's, then those that correct it
     Answer answer = Answer::extrapolated; // spacing zero by the rungs, or the finest rung itself
     int noise_runs = 4;                   // of the search's spacing, changed a little, that measure the numerical noise
 

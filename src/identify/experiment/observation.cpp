@@ -14,8 +14,8 @@ std::filesystem::path table_of(const std::filesystem::path& folder, const std::s
     for (const char* name : {"silhouettes.csv", "film.csv"}) {
         if (std::filesystem::exists(folder / name)) return folder / name;
     }
-    throw InputError({where, folder.string() + " has neither silhouettes.csv nor film.csv", "the times of the masks stand there",
-                      "give the folder that `treacle silhouettes` has written"});
+    throw InputError({where, folder.string() + " has neither silhouettes.csv nor film.csv",
+        "the times of the masks stand there", "give the folder that `treacle silhouettes` has written"});
 }
 
 // A point beside excluded pixels lies on their border, not on the liquid's.
@@ -35,19 +35,24 @@ double distance(const video::ContourPoint& a, const video::ContourPoint& b) {
 }
 } // namespace
 
-std::vector<std::size_t> compared_times(const Experiment& experiment, const std::vector<double>& times, const std::string& what) {
+std::vector<std::size_t> compared_times(
+    const Experiment& experiment, const std::vector<double>& times, const std::string& what) {
     std::vector<std::size_t> out;
     int skipped = 0;
     for (std::size_t i = 0; i < times.size(); ++i) {
         const double time = times[i] - experiment.time_zero;
-        if (!(time >= experiment.from) || (experiment.to > 0 && time > experiment.to) || skipped++ % experiment.every != 0) continue;
+        if (!(time >= experiment.from) || (experiment.to > 0 && time > experiment.to) ||
+            skipped++ % experiment.every != 0)
+            continue;
         out.push_back(i);
     }
     if (!out.empty()) return out;
     throw InputError({experiment.where, "no " + what + " is between `from` and `to`",
-                      times.empty() ? "there is none" : "the " + what + "s' times, less time_zero, go from " + format_number(times.front() - experiment.time_zero) + " to " +
-                                                            format_number(times.back() - experiment.time_zero) + " s",
-                      "look at time_zero, from and to"});
+        times.empty() ? "there is none"
+                      : "the " + what + "s' times, less time_zero, go from " +
+                            format_number(times.front() - experiment.time_zero) + " to " +
+                            format_number(times.back() - experiment.time_zero) + " s",
+        "look at time_zero, from and to"});
 }
 
 std::vector<ObservedFrame> observed_frames(const Experiment& experiment, const std::filesystem::path& folder) {
@@ -59,8 +64,9 @@ std::vector<ObservedFrame> observed_frames(const Experiment& experiment, const s
         const auto name = video::mask_name(std::int64_t(numbers[i]));
         frames.push_back({int(numbers[i]), times[i] - experiment.time_zero, folder / name});
         if (!std::filesystem::exists(frames.back().mask)) {
-            throw InputError({table.path.string(), "names frame " + format_number(numbers[i]) + ", but " + name + " is not there",
-                              "every frame of the table has a mask", "make the silhouettes again"});
+            throw InputError(
+                {table.path.string(), "names frame " + format_number(numbers[i]) + ", but " + name + " is not there",
+                    "every frame of the table has a mask", "make the silhouettes again"});
         }
     }
     return frames;

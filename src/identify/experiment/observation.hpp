@@ -8,14 +8,15 @@ namespace treacle::identify {
 
 // A mask of a film that is compared, by its time in the scene.
 struct ObservedFrame {
-    int number = 0;    // of the mask in its folder
-    double time = 0;   // [s] of the scene
+    int number = 0;  // of the mask in its folder
+    double time = 0; // [s] of the scene
     std::filesystem::path mask;
 };
 
 // Indices of the times that an experiment compares: those between `from` and `to` of the scene, every so many of them. `times` [s] by the
 // observations' clock, in order. Throws InputError where none is left; `what`: "mask".
-std::vector<std::size_t> compared_times(const Experiment& experiment, const std::vector<double>& times, const std::string& what);
+std::vector<std::size_t> compared_times(
+    const Experiment& experiment, const std::vector<double>& times, const std::string& what);
 
 // The masks of an experiment whose times lie between `from` and `to`, every so many of them. Times stand in the folder's
 // silhouettes.csv or film.csv. Throws InputError where a mask is missing, or none is left.

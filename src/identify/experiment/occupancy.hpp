@@ -18,8 +18,8 @@ enum class MirrorAxis { none, x, y, z };
 struct Occupancy {
     int windows = 5;
     std::vector<double> levels{0.1, 0.3, 0.5, 0.7, 0.9}; // shares of the frames whose contours are compared
-    MirrorAxis mirror = MirrorAxis::none; // normal of a plane in which the run is mirrored
-    double mirror_at = 0;                 // [m] where that plane lies
+    MirrorAxis mirror = MirrorAxis::none;                // normal of a plane in which the run is mirrored
+    double mirror_at = 0;                                // [m] where that plane lies
 
     // Keys of the block `occupancy` of an experiment.
     void declare(Declaration& d);

@@ -11,16 +11,18 @@ namespace treacle::identify {
 namespace {
 using Arrays = std::map<std::string, io::MatArray>;
 
-const io::MatArray& array(const Arrays& arrays, const std::filesystem::path& path, const std::string& name, std::size_t size) {
+const io::MatArray& array(
+    const Arrays& arrays, const std::filesystem::path& path, const std::string& name, std::size_t size) {
     const auto found = arrays.find(name);
     if (found == arrays.end()) {
         std::vector<std::string> names;
         for (const auto& [known, values] : arrays) names.push_back(known);
-        throw InputError({path.string(), "has no array " + name, "it holds " + shorten(join(names, ", ")), "save the session of PIVlab, or a frame, with -v7.3"});
+        throw InputError({path.string(), "has no array " + name, "it holds " + shorten(join(names, ", ")),
+            "save the session of PIVlab, or a frame, with -v7.3"});
     }
     if (size > 0 && found->second.values.size() != size) {
         throw InputError({path.string(), name + " has " + std::to_string(found->second.values.size()) + " values",
-                          "the places have " + std::to_string(size), "the file may be damaged"});
+            "the places have " + std::to_string(size), "the file may be damaged"});
     }
     return found->second;
 }
@@ -64,7 +66,8 @@ std::vector<video::PivField> read_piv(const std::filesystem::path& path) {
     if (!io::is_hdf5(path)) return {video::read_piv_text(path)};
     const auto arrays = io::read_mat(path);
     std::vector<video::PivField> out;
-    for (int k = 0; arrays.contains("x_" + std::to_string(k)); ++k) out.push_back(frame_of(arrays, path, "_" + std::to_string(k)));
+    for (int k = 0; arrays.contains("x_" + std::to_string(k)); ++k)
+        out.push_back(frame_of(arrays, path, "_" + std::to_string(k)));
     if (out.empty()) out.push_back(frame_of(arrays, path, ""));
     return out;
 }

@@ -19,21 +19,31 @@ void StudyFile::declare(Declaration& d) {
     if (!d.parsing()) return;
     searched = study.parameters.size();
     if (!experiments.empty()) add_measured_and_rungs(d);
-    const bool films = std::ranges::all_of(experiments, [](const Experiment& one) { return one.kind == ExperimentKind::contours; });
+    const bool films =
+        std::ranges::all_of(experiments, [](const Experiment& one) { return one.kind == ExperimentKind::contours; });
     d.check(films || search.objective == Objective::displacements, "search",
-            {"must have objective: displacements", "the mismatch (6.9) is that of masks, frame by frame", "leave the objective out"});
+        {"must have objective: displacements", "the mismatch (6.9) is that of masks, frame by frame",
+            "leave the objective out"});
     for (std::size_t i = 0; i < experiments.size(); ++i) {
         const auto& one = experiments[i];
-        const bool known = one.scene.empty() || std::ranges::find(study.scenes, one.scene, &study::StudyScene::name) != study.scenes.end();
-        d.check(known, "experiments", {"must name scenes of the study", one.where + ": there is no scene " + one.scene, "give the name of one under `scenes`"});
-        const auto original = std::ranges::find(experiments.begin(), experiments.begin() + std::ptrdiff_t(i), one.repeats, &Experiment::name);
-        const bool repeats_one = original != experiments.begin() + std::ptrdiff_t(i) && original->repeats.empty() && original->scene == one.scene && original->kind == one.kind;
+        const bool known = one.scene.empty() ||
+                           std::ranges::find(study.scenes, one.scene, &study::StudyScene::name) != study.scenes.end();
+        d.check(known, "experiments",
+            {"must name scenes of the study", one.where + ": there is no scene " + one.scene,
+                "give the name of one under `scenes`"});
+        const auto original = std::ranges::find(
+            experiments.begin(), experiments.begin() + std::ptrdiff_t(i), one.repeats, &Experiment::name);
+        const bool repeats_one = original != experiments.begin() + std::ptrdiff_t(i) && original->repeats.empty() &&
+                                 original->scene == one.scene && original->kind == one.kind;
         d.check(one.repeats.empty() || repeats_one, "experiments",
-                {"must repeat an experiment above of the same scene and kind", one.where + ": repeats = " + one.repeats + " is none, or repeats another one itself",
-                 "give the name of the set-up's first clip"});
+            {"must repeat an experiment above of the same scene and kind",
+                one.where + ": repeats = " + one.repeats + " is none, or repeats another one itself",
+                "give the name of the set-up's first clip"});
         for (std::size_t k = 0; k < i; ++k) {
             d.check(experiments[k].name != one.name, "experiments",
-                    {"must have names that differ", one.where + ": " + one.name + " stands at " + experiments[k].where + " too", "give one of them another name"});
+                {"must have names that differ",
+                    one.where + ": " + one.name + " stands at " + experiments[k].where + " too",
+                    "give one of them another name"});
         }
     }
 }
@@ -41,7 +51,9 @@ void StudyFile::declare(Declaration& d) {
 double move_along(const study::Parameter& parameter, double share, double& value) {
     const bool log = parameter.scale == study::Scale::log;
     const auto coordinate = [&](double one) { return log ? std::log(one) : one; };
-    const double x = coordinate(value), upper = coordinate(parameter.upper), step = share * (upper - coordinate(parameter.lower)) * (x + share * (upper - coordinate(parameter.lower)) <= upper ? 1 : -1);
+    const double x = coordinate(value), upper = coordinate(parameter.upper),
+                 step = share * (upper - coordinate(parameter.lower)) *
+                        (x + share * (upper - coordinate(parameter.lower)) <= upper ? 1 : -1);
     value = log ? std::exp(x + step) : x + step;
     return step;
 }
@@ -76,9 +88,13 @@ void StudyFile::add_measured_and_rungs(Declaration& d) {
         const auto coarse = spacing.number(search.rungs[i - 1]), fine = spacing.number(search.rungs[i]);
         falls = coarse && fine && *fine < *coarse;
     }
-    d.check(falls, "search", {"must have spacings as rungs, the coarsest first", "they are " + join(search.rungs, ", "), "write for instance rungs: [8 mm, 5.6 mm, 4 mm]"});
+    d.check(falls, "search",
+        {"must have spacings as rungs, the coarsest first", "they are " + join(search.rungs, ", "),
+            "write for instance rungs: [8 mm, 5.6 mm, 4 mm]"});
     for (const auto& parameter : study.parameters) {
-        d.check(parameter.key != spacing.key, "search", {"must not have rungs beside a parameter of the spacing", parameter.where + " sets it too", "leave one of them out"});
+        d.check(parameter.key != spacing.key, "search",
+            {"must not have rungs beside a parameter of the spacing", parameter.where + " sets it too",
+                "leave one of them out"});
     }
     study.parameters.push_back(spacing);
 }
@@ -89,7 +105,9 @@ void take_two(study::Parameter& spacing) {
     constexpr double ratio = 1.6;
     if (spacing.values.size() < 3) return;
     std::size_t finer = 1;
-    while (finer + 1 < spacing.values.size() && *spacing.number(spacing.values[finer]) * ratio > *spacing.number(spacing.values.front())) ++finer;
+    while (finer + 1 < spacing.values.size() &&
+           *spacing.number(spacing.values[finer]) * ratio > *spacing.number(spacing.values.front()))
+        ++finer;
     spacing.values = {spacing.values.front(), spacing.values[finer]};
 }
 } // namespace

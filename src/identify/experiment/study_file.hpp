@@ -8,13 +8,14 @@ namespace treacle::identify {
 
 // A study file whole: the runs, and the films that they are compared with.
 struct StudyFile {
-    study::Study study; // behind the parameters that are searched stand, with experiments, the measured values and the spacing
+    study::Study
+        study; // behind the parameters that are searched stand, with experiments, the measured values and the spacing
     std::vector<Experiment> experiments;
     std::vector<SetUp> candidates; // to be filmed next
     SearchSettings search;
     Temperature temperature;
-    std::size_t searched = 0; // parameters, the first of the study's
-    std::size_t measured = 0; // behind those
+    std::size_t searched = 0;       // parameters, the first of the study's
+    std::size_t measured = 0;       // behind those
     std::vector<double> deviations; // [measured] in the units of the parameters
     std::vector<double> exponents;  // [measured] of the values in what is searched; 0: not known
     bool has_rungs() const { return study.parameters.size() > searched + measured; }

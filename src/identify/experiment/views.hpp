@@ -7,11 +7,21 @@ namespace treacle::identify {
 // Quantity that an experiment observes.
 enum class ExperimentKind { contours, occupancy, piv, series };
 // True when it compares masks of a film.
-inline bool has_masks(ExperimentKind kind) { return kind == ExperimentKind::contours || kind == ExperimentKind::occupancy; }
+inline bool has_masks(ExperimentKind kind) {
+    return kind == ExperimentKind::contours || kind == ExperimentKind::occupancy;
+}
 
 // Parameters of the view: they need no run, and are nuisances with priors. In this order in every list of derivatives.
 // Contours, those of occupancy too:
-enum ViewParameter { view_time, view_contour, view_focal, view_turn, view_place = view_turn + 3, view_readout = view_place + 3, view_count };
+enum ViewParameter {
+    view_time,
+    view_contour,
+    view_focal,
+    view_turn,
+    view_place = view_turn + 3,
+    view_readout = view_place + 3,
+    view_count
+};
 // A sheet of PIV: time zero, relative scale, shifts and turn in its plane. The first is the time of every kind.
 enum SheetParameter { sheet_time, sheet_scale, sheet_right, sheet_up, sheet_turn, sheet_count };
 // A series of numbers: time zero, offset and relative scale of the instrument.

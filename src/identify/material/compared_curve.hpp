@@ -10,7 +10,8 @@ namespace treacle::identify {
 struct ComparedCurve {
     std::string liquid;          // empty: it is not clear which one the curve is of
     std::optional<CurveFit> fit; // nothing without a liquid
-    std::optional<Trial> trial; // at the curve; values that the curve sets are not a number there. Nothing where there is no run
+    std::optional<Trial>
+        trial; // at the curve; values that the curve sets are not a number there. Nothing where there is no run
     std::vector<double> misfits;   // by experiment of misfits_of_run; empty where a run failed
     std::vector<double> at_answer; // the same of the run at the answer
     std::string problem;           // why there is no run, or none that is whole; a sentence without its full stop

@@ -12,7 +12,7 @@ namespace treacle::identify {
 
 namespace {
 constexpr double least_exponent = 0.02, most_exponent = 1.5, most_share = 0.999;
-constexpr double beyond = 1.5; // factor by which points may lie outside of the flow's rates
+constexpr double beyond = 1.5;    // factor by which points may lie outside of the flow's rates
 constexpr std::size_t enough = 4; // points: one more than the law's parameters
 
 struct Points {
@@ -30,7 +30,8 @@ Points points_within(const ViscositiesByRate& curve, double from, double to) {
     const auto n = out.log_rate.size();
     if (n < 2) return out;
     const double whole = out.log_rate.back() - out.log_rate.front();
-    for (std::size_t i = 0; i < n; ++i) out.weight.push_back(0.5 * (out.log_rate[std::min(i + 1, n - 1)] - out.log_rate[i == 0 ? 0 : i - 1]) / whole);
+    for (std::size_t i = 0; i < n; ++i)
+        out.weight.push_back(0.5 * (out.log_rate[std::min(i + 1, n - 1)] - out.log_rate[i == 0 ? 0 : i - 1]) / whole);
     return out;
 }
 
@@ -47,7 +48,9 @@ public:
     double middle() const { return middle_; } // of the logarithms of the rates
     std::size_t size() const { return points_.log_rate.size(); }
 
-    double residual(const Law& law, std::size_t i) const { return law.level + std::log(shape(law, i)) - points_.log_viscosity[i]; }
+    double residual(const Law& law, std::size_t i) const {
+        return law.level + std::log(shape(law, i)) - points_.log_viscosity[i];
+    }
     double sum(const Law& law) const {
         double out = 0;
         for (std::size_t i = 0; i < size(); ++i) out += points_.weight[i] * std::pow(residual(law, i), 2);
@@ -92,7 +95,9 @@ Law descend(const CurveSquares& squares, Law law, double largest_share) {
     std::vector<double> b;
     for (int round = 0; round < rounds && radius > smallest; ++round) {
         squares.linearise(law, a, b);
-        const auto move = search::bounded_move(a, b, {{-far, -law.share, least_exponent - law.exponent}, {far, largest_share - law.share, most_exponent - law.exponent}, radius});
+        const auto move = search::bounded_move(a, b,
+            {{-far, -law.share, least_exponent - law.exponent},
+                {far, largest_share - law.share, most_exponent - law.exponent}, radius});
         const Law next{law.level + move[0], law.share + move[1], law.exponent + move[2]};
         const double there = squares.sum(next);
         if (!(there < sum)) {
@@ -125,7 +130,8 @@ CurveFit fit_flow_curve(const ViscositiesByRate& curve, double from, double to) 
     double least = std::numeric_limits<double>::infinity();
     for (const double exponent : {0.3, 0.7, 1.0}) {
         for (const double share : {0.0, 0.3, 0.7}) {
-            const auto law = descend(squares, squares.levelled({0, std::min(share, largest_share), exponent}), largest_share);
+            const auto law =
+                descend(squares, squares.levelled({0, std::min(share, largest_share), exponent}), largest_share);
             if (squares.sum(law) < least) best = law, least = squares.sum(law);
         }
     }
@@ -137,11 +143,14 @@ CurveFit fit_flow_curve(const ViscositiesByRate& curve, double from, double to) 
     return out;
 }
 
-CurveFit fit_flow_curve(const ViscositiesByRate& curve) { return fit_flow_curve(curve, curve.rates.front(), curve.rates.back()); }
+CurveFit fit_flow_curve(const ViscositiesByRate& curve) {
+    return fit_flow_curve(curve, curve.rates.front(), curve.rates.back());
+}
 
 std::string describe(const CurveFit& fit) {
     char text[120];
-    std::snprintf(text, sizeof text, "K %.3g Pa s at 1/s, n %.3g, yield stress %.3g Pa", fit.consistency, fit.exponent, fit.yield_stress);
+    std::snprintf(text, sizeof text, "K %.3g Pa s at 1/s, n %.3g, yield stress %.3g Pa", fit.consistency, fit.exponent,
+        fit.yield_stress);
     return text;
 }
 

@@ -12,7 +12,7 @@ struct CurveFit {
     double from = 0, to = 0; // [1/s] least and largest rate of the points
     std::size_t points = 0;  // that it is fitted to
 
-    double at(double rate) const;      // [Pa s]
+    double at(double rate) const;                // [Pa s]
     bool is_close() const { return rms <= 0.1; } // whether a run with the law stands for the curve
 };
 

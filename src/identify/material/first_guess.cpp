@@ -9,14 +9,24 @@ namespace treacle::identify {
 namespace {
 constexpr double plane_prefactor = 1.411, round_prefactor = 0.894;
 
-double drive(double kinematic_viscosity, double size, double time) { return gravity * std::pow(size, 3) * time / (3 * kinematic_viscosity); }
+double drive(double kinematic_viscosity, double size, double time) {
+    return gravity * std::pow(size, 3) * time / (3 * kinematic_viscosity);
+}
 } // namespace
 
-double plane_spreading(double density, double area, double front, double time) { return density * drive(1, area, time) * std::pow(plane_prefactor / front, 5); }
-double plane_front(double kinematic_viscosity, double area, double time) { return plane_prefactor * std::pow(drive(kinematic_viscosity, area, time), 0.2); }
+double plane_spreading(double density, double area, double front, double time) {
+    return density * drive(1, area, time) * std::pow(plane_prefactor / front, 5);
+}
+double plane_front(double kinematic_viscosity, double area, double time) {
+    return plane_prefactor * std::pow(drive(kinematic_viscosity, area, time), 0.2);
+}
 
-double round_spreading(double density, double volume, double front, double time) { return density * drive(1, volume, time) * std::pow(round_prefactor / front, 8); }
-double round_front(double kinematic_viscosity, double volume, double time) { return round_prefactor * std::pow(drive(kinematic_viscosity, volume, time), 0.125); }
+double round_spreading(double density, double volume, double front, double time) {
+    return density * drive(1, volume, time) * std::pow(round_prefactor / front, 8);
+}
+double round_front(double kinematic_viscosity, double volume, double time) {
+    return round_prefactor * std::pow(drive(kinematic_viscosity, volume, time), 0.125);
+}
 
 double spreading_down(double density, double area, double angle, double front, double time) {
     return density * 9 * area * area * gravity * std::sin(angle) * time / (4 * std::pow(front, 3));
@@ -42,8 +52,9 @@ std::optional<double> efflux_viscosity(std::string_view cup, double time) {
         std::string_view name;
         double factor, offset; // [mm2/s2], [s]
     };
-    constexpr std::array cups{Cup{"ford2", 1.44, 18}, Cup{"ford3", 2.31, 6.58}, Cup{"ford4", 3.85, 4.49}, Cup{"ford5", 12.1, 2},    Cup{"zahn1", 1.1, 29},
-                              Cup{"zahn2", 3.5, 14},  Cup{"zahn3", 11.7, 7.5}, Cup{"zahn4", 14.8, 5},    Cup{"zahn5", 23, 0}};
+    constexpr std::array cups{Cup{"ford2", 1.44, 18}, Cup{"ford3", 2.31, 6.58}, Cup{"ford4", 3.85, 4.49},
+        Cup{"ford5", 12.1, 2}, Cup{"zahn1", 1.1, 29}, Cup{"zahn2", 3.5, 14}, Cup{"zahn3", 11.7, 7.5},
+        Cup{"zahn4", 14.8, 5}, Cup{"zahn5", 23, 0}};
     for (const auto& one : cups) {
         if (one.name == cup && time > one.offset) return 1e-6 * one.factor * (time - one.offset);
     }

@@ -16,19 +16,23 @@ namespace {
 constexpr double usual_low = 1, usual_high = 30; // [1/s] over which rheometers' curves are compared
 
 // The column whose name begins so; its unit, where it is stated in brackets, must be the given one.
-const std::vector<double>& column_of(const CsvColumns& table, const std::vector<std::string>& begins, const std::vector<std::string>& units) {
+const std::vector<double>& column_of(
+    const CsvColumns& table, const std::vector<std::string>& begins, const std::vector<std::string>& units) {
     for (std::size_t i = 0; i < table.names.size(); ++i) {
         const auto& name = table.names[i];
         if (std::ranges::none_of(begins, [&](const std::string& begin) { return name.starts_with(begin); })) continue;
         const auto bracket = name.find('[');
-        const auto unit = bracket == std::string::npos ? std::string() : name.substr(bracket + 1, name.find(']', bracket) - bracket - 1);
+        const auto unit = bracket == std::string::npos
+                              ? std::string()
+                              : name.substr(bracket + 1, name.find(']', bracket) - bracket - 1);
         if (!unit.empty() && std::ranges::find(units, unit) == units.end()) {
-            throw InputError({table.path.string(), "column " + name + " is not in " + units.front(), "curves are compared in SI", "convert it"});
+            throw InputError({table.path.string(), "column " + name + " is not in " + units.front(),
+                "curves are compared in SI", "convert it"});
         }
         return table.values[i];
     }
-    throw InputError({table.path.string(), "has no column whose name begins with " + begins.front(), "it has " + join(table.names, ", "),
-                      "name the columns \"shear rate [1/s]\" and \"viscosity [Pa.s]\""});
+    throw InputError({table.path.string(), "has no column whose name begins with " + begins.front(),
+        "it has " + join(table.names, ", "), "name the columns \"shear rate [1/s]\" and \"viscosity [Pa.s]\""});
 }
 
 std::string list(const std::vector<double>& values) {
@@ -40,7 +44,8 @@ std::string list(const std::vector<double>& values) {
 
 std::optional<double> ViscositiesByRate::at(double rate) const {
     if (rates.empty() || !(rate >= rates.front()) || !(rate <= rates.back())) return {};
-    const auto after = std::min<std::ptrdiff_t>(std::ranges::upper_bound(rates, rate) - rates.begin(), std::ptrdiff_t(rates.size()) - 1);
+    const auto after = std::min<std::ptrdiff_t>(
+        std::ranges::upper_bound(rates, rate) - rates.begin(), std::ptrdiff_t(rates.size()) - 1);
     if (after == 0) return viscosities.front();
     const auto b = std::size_t(after), a = b - 1;
     const double share = std::log(rate / rates[a]) / std::log(rates[b] / rates[a]);
@@ -60,7 +65,9 @@ ViscositiesByRate read_flow_curve(const std::filesystem::path& path) {
         out.rates.push_back(rates[i]);
         out.viscosities.push_back(viscosities[i]);
     }
-    if (out.rates.size() < 2) throw InputError({path.string(), "has fewer than two points with positive numbers", "there is no curve to compare with", ""});
+    if (out.rates.size() < 2)
+        throw InputError({path.string(), "has fewer than two points with positive numbers",
+            "there is no curve to compare with", ""});
     return out;
 }
 
@@ -83,27 +90,37 @@ std::vector<std::string> describe(const FlowCurveBand& band) {
     std::vector<std::string> out;
     if (!band.flow.empty()) {
         const double mean = band.flow.mean(), low = band.flow.quantile(0.05), high = band.flow.quantile(0.95);
-        out.push_back(band.liquid + ": sheared at " + digits(low, 3) + " to " + digits(high, 3) + " 1/s (90 % of what it dissipates), at " + digits(mean, 3) + " 1/s on average");
+        out.push_back(band.liquid + ": sheared at " + digits(low, 3) + " to " + digits(high, 3) +
+                      " 1/s (90 % of what it dissipates), at " + digits(mean, 3) + " 1/s on average");
         const auto value = band.value.at(mean);
         const auto measured = band.measured ? band.measured->at(mean) : std::nullopt;
         if (value && measured) {
-            out.push_back(band.liquid + ": at " + digits(mean, 3) + " 1/s " + digits(*value, 3) + " Pa s, measured " + digits(*measured, 3) + " Pa s (" +
-                          digits(100 * (*value / *measured - 1), 3) + " %)");
+            out.push_back(band.liquid + ": at " + digits(mean, 3) + " 1/s " + digits(*value, 3) + " Pa s, measured " +
+                          digits(*measured, 3) + " Pa s (" + digits(100 * (*value / *measured - 1), 3) + " %)");
         }
-        if (const auto error = curve_error(band, low, high)) out.push_back(band.liquid + ": " + digits(100 * *error, 3) + " % from the measured curve over the flow's shear rates (root mean square of logarithms)");
+        if (const auto error = curve_error(band, low, high))
+            out.push_back(band.liquid + ": " + digits(100 * *error, 3) +
+                          " % from the measured curve over the flow's shear rates (root mean square of logarithms)");
     }
-    if (const auto error = curve_error(band, usual_low, usual_high)) out.push_back(band.liquid + ": " + digits(100 * *error, 3) + " % from it over 1 to 30 1/s");
+    if (const auto error = curve_error(band, usual_low, usual_high))
+        out.push_back(band.liquid + ": " + digits(100 * *error, 3) + " % from it over 1 to 30 1/s");
     return out;
 }
 
 std::string yaml(const FlowCurveBand& band) {
-    std::string out = "  - liquid: " + band.liquid + "\n    shear_rates: " + list(band.value.rates) + "\n    viscosities: " + list(band.value.viscosities) + "\n    low_90: " +
-                      list(band.low.viscosities) + "\n    high_90: " + list(band.high.viscosities) + "\n";
+    std::string out = "  - liquid: " + band.liquid + "\n    shear_rates: " + list(band.value.rates) +
+                      "\n    viscosities: " + list(band.value.viscosities) +
+                      "\n    low_90: " + list(band.low.viscosities) + "\n    high_90: " + list(band.high.viscosities) +
+                      "\n";
     if (!band.flow.empty()) {
-        out += "    flow: {mean: " + format_number(band.flow.mean()) + " 1/s, from: " + format_number(band.flow.quantile(0.05)) + " 1/s, to: " + format_number(band.flow.quantile(0.95)) + " 1/s}\n";
-        if (const auto error = curve_error(band, band.flow.quantile(0.05), band.flow.quantile(0.95))) out += "    error_over_flow: " + format_number(*error) + "\n";
+        out += "    flow: {mean: " + format_number(band.flow.mean()) +
+               " 1/s, from: " + format_number(band.flow.quantile(0.05)) +
+               " 1/s, to: " + format_number(band.flow.quantile(0.95)) + " 1/s}\n";
+        if (const auto error = curve_error(band, band.flow.quantile(0.05), band.flow.quantile(0.95)))
+            out += "    error_over_flow: " + format_number(*error) + "\n";
     }
-    if (const auto error = curve_error(band, usual_low, usual_high)) out += "    error_1_to_30: " + format_number(*error) + "\n";
+    if (const auto error = curve_error(band, usual_low, usual_high))
+        out += "    error_1_to_30: " + format_number(*error) + "\n";
     return out;
 }
 
@@ -112,7 +129,8 @@ std::string chart(const FlowCurveBand& band) {
     out.title = "Flow curve: " + band.liquid;
     out.x = {"shear rate [1/s]", study::AxisScale::log};
     out.y = {"viscosity [Pa.s]", study::AxisScale::log};
-    study::ChartSeries outline{"90 %", band.low.rates, band.low.viscosities, true}; // there along the lower end of the band, and back along the upper one
+    study::ChartSeries outline{"90 %", band.low.rates, band.low.viscosities,
+        true}; // there along the lower end of the band, and back along the upper one
     outline.x.insert(outline.x.end(), band.high.rates.rbegin(), band.high.rates.rend());
     outline.y.insert(outline.y.end(), band.high.viscosities.rbegin(), band.high.viscosities.rend());
     out.series = {{"identified", band.value.rates, band.value.viscosities, true}, outline};

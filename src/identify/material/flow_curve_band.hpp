@@ -22,8 +22,8 @@ ViscositiesByRate read_flow_curve(const std::filesystem::path& path);
 // The viscosity of an identified liquid by shear rate, with a 90 % band.
 struct FlowCurveBand {
     std::string liquid;
-    ViscositiesByRate value, low, high; // at the same rates
-    ShearRates flow;                    // of the runs at the best trial
+    ViscositiesByRate value, low, high;        // at the same rates
+    ShearRates flow;                           // of the runs at the best trial
     std::optional<ViscositiesByRate> measured; // by a rheometer
 };
 

@@ -9,7 +9,9 @@ namespace treacle::identify {
 namespace {
 struct Materials {
     std::vector<Material> all;
-    void declare(Declaration& d) { d.list("materials", all, "Liquids of which keys were identified, for `treacle run SCENE --material`."); }
+    void declare(Declaration& d) {
+        d.list("materials", all, "Liquids of which keys were identified, for `treacle run SCENE --material`.");
+    }
 };
 } // namespace
 
@@ -19,7 +21,8 @@ void Material::declare(Declaration& d) {
     d.required("name");
     d.number("density", density, unit::density, range_above(0), "Mass per volume.");
     d.required("density");
-    d.number("viscosity", viscosity, unit::viscosity_of(density), range_at_least(0), "Dynamic viscosity of the rheology's law.");
+    d.number("viscosity", viscosity, unit::viscosity_of(density), range_at_least(0),
+        "Dynamic viscosity of the rheology's law.");
     d.required("viscosity");
     d.number("surface_tension", surface_tension, unit::surface_tension, range_at_least(0), "Against air; 0: not told.");
     d.block("rheology", rheology, "How the viscosity depends on the shear rate.", "law");
@@ -28,7 +31,9 @@ void Material::declare(Declaration& d) {
     d.boolean("well_determined", well_determined, "Whether the films tell it.");
 }
 
-std::string yaml(const std::vector<Material>& materials) { return materials.empty() ? "" : effective(Materials{materials}); }
+std::string yaml(const std::vector<Material>& materials) {
+    return materials.empty() ? "" : effective(Materials{materials});
+}
 
 std::vector<Material> read_materials(const std::filesystem::path& path) {
     Materials out;
@@ -36,8 +41,9 @@ std::vector<Material> read_materials(const std::filesystem::path& path) {
     document.accept(scene::renamed_keys()); // of a study of an earlier version
     parse_some(document, [&](Declaration& d) { out.declare(d); });
     if (out.all.empty()) {
-        throw InputError({path.string(), "has no materials", "in its study no key of a liquid was identified, or it is no result of `treacle identify`",
-                          "give report/result.yaml of a study whose parameters have keys such as liquids.honey.viscosity"});
+        throw InputError({path.string(), "has no materials",
+            "in its study no key of a liquid was identified, or it is no result of `treacle identify`",
+            "give report/result.yaml of a study whose parameters have keys such as liquids.honey.viscosity"});
     }
     return std::move(out.all);
 }

@@ -14,10 +14,11 @@ struct Material {
     double viscosity = 0;       // [Pa s] of the rheology's law
     double surface_tension = 0; // [N/m]; 0: the study's scenes have none, and that of another scene stays
     scene::Rheology rheology;
-    std::string temperature;        // "22.5 C +- 0.5 C"; empty: not stated
-    std::vector<std::string> found; // sentences: identified values with their intervals, how well they are known, the flow's shear rates
-    bool well_determined = true;    // all of these values
-    std::string where;              // "result.yaml:31"
+    std::string temperature; // "22.5 C +- 0.5 C"; empty: not stated
+    std::vector<std::string>
+        found; // sentences: identified values with their intervals, how well they are known, the flow's shear rates
+    bool well_determined = true; // all of these values
+    std::string where;           // "result.yaml:31"
 
     // Keys of an item of `materials`.
     void declare(Declaration& d);

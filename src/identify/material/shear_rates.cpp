@@ -55,7 +55,8 @@ double ShearRates::mean() const {
 
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates) {
     FrameShearRates out{time, {}, rates.mean()};
-    for (std::size_t i = 0; i < out.quantiles.size(); ++i) out.quantiles[i] = rates.quantile(FrameShearRates::shares[i]);
+    for (std::size_t i = 0; i < out.quantiles.size(); ++i)
+        out.quantiles[i] = rates.quantile(FrameShearRates::shares[i]);
     return out;
 }
 
@@ -79,7 +80,8 @@ std::vector<FrameShearRates> read_frame_shear_rates(const std::filesystem::path&
     const auto table = read_csv(frame_file(folder));
     for (std::size_t i = 0; i < table.rows(); ++i) {
         FrameShearRates frame{table.column("time")[i], {}, table.column("mean")[i]};
-        for (std::size_t k = 0; k < frame.quantiles.size(); ++k) frame.quantiles[k] = table.column(quantile_name(FrameShearRates::shares[k]))[i];
+        for (std::size_t k = 0; k < frame.quantiles.size(); ++k)
+            frame.quantiles[k] = table.column(quantile_name(FrameShearRates::shares[k]))[i];
         out.push_back(frame);
     }
     return out;
@@ -87,7 +89,8 @@ std::vector<FrameShearRates> read_frame_shear_rates(const std::filesystem::path&
 
 void write_shear_rates(const std::filesystem::path& folder, const ShearRates& rates) {
     auto table = CsvTable::create(file_of(folder), {"shear rate [1/s]", "dissipation"});
-    for (std::size_t i = 0; i < ShearRates::bins; ++i) table.append(std::vector<double>{edge(double(i) + 0.5), rates.weights()[i]});
+    for (std::size_t i = 0; i < ShearRates::bins; ++i)
+        table.append(std::vector<double>{edge(double(i) + 0.5), rates.weights()[i]});
     table.sync();
 }
 

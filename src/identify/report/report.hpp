@@ -12,7 +12,7 @@ namespace treacle::identify {
 struct ReportParts {
     std::vector<FlowCurveBand> curves;
     std::vector<Material> materials;
-    std::vector<ReportPicture> hidden; // pressure and speed; may be none
+    std::vector<ReportPicture> hidden;     // pressure and speed; may be none
     std::optional<ComparedCurve> compared; // the run at a rheometer's curve
 };
 
@@ -21,7 +21,7 @@ struct ReportParts {
 //   index.html    the same for people, with plots, and pictures of observation and run at the best trial; opens from disk
 // `folder_of` returns the folder of a run's files. Throws SimulationError.
 void write_report(const std::filesystem::path& folder, const StudyFile& file, const Identification& identification,
-                  const std::function<std::filesystem::path(std::int64_t)>& folder_of, const ReportParts& parts);
+    const std::function<std::filesystem::path(std::int64_t)>& folder_of, const ReportParts& parts);
 
 // Lines for a terminal: "viscosity = 10.1 Pa.s, 90 % interval 9.7 to 10.5".
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);

@@ -10,17 +10,22 @@ std::string mismatch_title(const Experiment& one) {
     return one.kind == ExperimentKind::piv ? "E (E.1) of " + one.name + " [m2/s2]" : "mean square of " + one.name;
 }
 
-study::Chart objective_chart(const StudyFile& file, const Identification& identification, std::optional<std::size_t> experiment) {
+study::Chart objective_chart(
+    const StudyFile& file, const Identification& identification, std::optional<std::size_t> experiment) {
     const auto& parameter = file.study.parameters.front();
     study::Chart chart;
     chart.title = experiment ? mismatch_title(file.experiments[*experiment]) : "Objective";
-    chart.x = {parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
+    chart.x = {
+        parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
     chart.y = {experiment ? "E" : "objective", study::AxisScale::log};
     study::ChartSeries dots;
     for (const auto& trial : identification.trials) {
-        if (trial.purpose != "search" && trial.purpose != "around the answer") continue; // of another spacing or measured value
+        if (trial.purpose != "search" && trial.purpose != "around the answer")
+            continue; // of another spacing or measured value
         dots.x.push_back(trial.values.front());
-        dots.y.push_back(!experiment ? trial.objective : trial.mismatches.empty() ? std::nan("") : trial.mismatches[*experiment]);
+        dots.y.push_back(!experiment                ? trial.objective
+                         : trial.mismatches.empty() ? std::nan("")
+                                                    : trial.mismatches[*experiment]);
     }
     chart.series.push_back(dots);
     return chart;
@@ -47,7 +52,8 @@ study::Chart convergence_chart(const StudyFile& file, const Identification& iden
     const auto& parameter = file.study.parameters.front();
     chart.title = "Search";
     chart.x.label = "trial";
-    chart.y = {parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
+    chart.y = {
+        parameter.column(), parameter.scale == study::Scale::log ? study::AxisScale::log : study::AxisScale::linear};
     study::ChartSeries line;
     for (std::size_t i = 0; i < identification.trials.size(); ++i) {
         line.x.push_back(double(i + 1));

@@ -11,7 +11,8 @@ namespace treacle::identify {
 std::string mismatch_title(const Experiment& one);
 
 // The search's objective, or the mismatch of an experiment, over the values of the trials.
-study::Chart objective_chart(const StudyFile& file, const Identification& identification, std::optional<std::size_t> experiment);
+study::Chart objective_chart(
+    const StudyFile& file, const Identification& identification, std::optional<std::size_t> experiment);
 
 // Residuals that the estimate leaves, by the time of their frames.
 study::Chart misfit_chart(const StudyFile& file, const Estimate& estimate, std::size_t experiment);

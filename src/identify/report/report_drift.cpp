@@ -19,7 +19,9 @@ std::string text_of(const StudyFile& file, double change) {
     return is_log(file) ? digits(100 * change, 3) + " %" : digits(change, 3);
 }
 
-std::string interval(const WindowAnswer& window) { return digits(window.from, 3) + " to " + digits(window.to, 3) + " s"; }
+std::string interval(const WindowAnswer& window) {
+    return digits(window.from, 3) + " to " + digits(window.to, 3) + " s";
+}
 
 // Beyond what noise, the grid and the runs' scatter do; a grid may err the other way at the end of a flow than at its start.
 bool is_drift(const StudyFile& file, const Estimate& estimate, const Drift& drift) {
@@ -32,7 +34,8 @@ bool is_drift(const StudyFile& file, const Estimate& estimate, const Drift& drif
 
 std::string cause(bool rises) {
     return rises ? "a liquid that thins under shear, or yields, is thicker as its flow slows, and so is one that cools"
-                 : "a liquid that warms, or breaks down while it is sheared, is thinner as time goes on, and a gate that holds the first frames back looks so";
+                 : "a liquid that warms, or breaks down while it is sheared, is thinner as time goes on, and a gate "
+                   "that holds the first frames back looks so";
 }
 } // namespace
 
@@ -46,10 +49,12 @@ std::vector<std::string> drift_lines(const StudyFile& file, const Identification
         const auto& first = drift.windows.front();
         const auto& last = drift.windows.back();
         const auto& parameter = file.study.parameters.front();
-        out.push_back("The best " + parameter.name + " " + (drift.change > 0 ? "rises" : "falls") + " over the frames of " + file.experiments[e].name + ", from " +
+        out.push_back("The best " + parameter.name + " " + (drift.change > 0 ? "rises" : "falls") +
+                      " over the frames of " + file.experiments[e].name + ", from " +
                       digits(value_at(file, identification, first.change), 3) + " (" + interval(first) + ") to " +
-                      digits(value_at(file, identification, last.change), 3) + " (" + interval(last) + "), by " + text_of(file, drift.change) + " +- " +
-                      text_of(file, drift.deviation) + ": " + cause(drift.change > 0) + "; a camera that moved may look like either.");
+                      digits(value_at(file, identification, last.change), 3) + " (" + interval(last) + "), by " +
+                      text_of(file, drift.change) + " +- " + text_of(file, drift.deviation) + ": " +
+                      cause(drift.change > 0) + "; a camera that moved may look like either.");
     }
     return out;
 }
@@ -61,10 +66,12 @@ std::string drift_html(const StudyFile& file, const Identification& identificati
     for (std::size_t e = 0; e < identification.estimate->drifts.size(); ++e) {
         const auto& drift = identification.estimate->drifts[e];
         if (drift.windows.empty()) continue;
-        out += "<p>" + file.experiments[e].name + ", the best " + parameter.column() + " by time:</p>\n<table><tr><th>frames</th><th>best</th><th>&plusmn;</th></tr>\n";
+        out += "<p>" + file.experiments[e].name + ", the best " + parameter.column() +
+               " by time:</p>\n<table><tr><th>frames</th><th>best</th><th>&plusmn;</th></tr>\n";
         for (const auto& window : drift.windows) {
-            out += "<tr><td>" + interval(window) + "</td><td>" + digits(value_at(file, identification, window.change), 3) + "</td><td>" + text_of(file, window.deviation) +
-                   "</td></tr>\n";
+            out += "<tr><td>" + interval(window) + "</td><td>" +
+                   digits(value_at(file, identification, window.change), 3) + "</td><td>" +
+                   text_of(file, window.deviation) + "</td></tr>\n";
         }
         out += "</table>\n";
     }
@@ -79,10 +86,12 @@ std::string drift_yaml(const StudyFile& file, const Identification& identificati
         const auto& drift = identification.estimate->drifts[e];
         if (drift.windows.empty()) continue;
         if (out.empty()) out = "by_time:\n";
-        out += "  - name: " + file.experiments[e].name + "\n    first_to_last: " + format_number(drift.change) + "\n    deviation: " + format_number(drift.deviation) + "\n    windows:\n";
+        out += "  - name: " + file.experiments[e].name + "\n    first_to_last: " + format_number(drift.change) +
+               "\n    deviation: " + format_number(drift.deviation) + "\n    windows:\n";
         for (const auto& window : drift.windows) {
-            out += "      - {from: " + format_number(window.from) + " s, to: " + format_number(window.to) + " s, value: " +
-                   file.study.parameters.front().word(value_at(file, identification, window.change)) + ", deviation: " + format_number(window.deviation) + "}\n";
+            out += "      - {from: " + format_number(window.from) + " s, to: " + format_number(window.to) +
+                   " s, value: " + file.study.parameters.front().word(value_at(file, identification, window.change)) +
+                   ", deviation: " + format_number(window.deviation) + "}\n";
         }
     }
     return out;

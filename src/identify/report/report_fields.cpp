@@ -12,13 +12,13 @@ namespace treacle::identify {
 
 namespace {
 constexpr std::size_t most_fields = 4;
-constexpr std::size_t most_arrows = 1200; // of a field
+constexpr std::size_t most_arrows = 1200;  // of a field
 constexpr double panel = 260, margin = 18; // [px]
 constexpr double difference_factor = 5;
 
 struct Box {
     double left = 1e300, right = -1e300, low = 1e300, high = -1e300; // [m]
-    double speed = 0; // [m/s] the largest measured
+    double speed = 0;                                                // [m/s] the largest measured
 
     void add(const ComparedVector& one) {
         left = std::min(left, one.measured.x);
@@ -31,7 +31,9 @@ struct Box {
 
 std::string line(double x, double y, double u, double v, const char* colour) {
     char text[160];
-    std::snprintf(text, sizeof text, "<path d=\"M%.1f %.1fl%.1f %.1f\" stroke=\"%s\"/><circle cx=\"%.1f\" cy=\"%.1f\" r=\"0.8\" fill=\"%s\"/>\n", x, y, u, -v, colour, x, y, colour);
+    std::snprintf(text, sizeof text,
+        "<path d=\"M%.1f %.1fl%.1f %.1f\" stroke=\"%s\"/><circle cx=\"%.1f\" cy=\"%.1f\" r=\"0.8\" fill=\"%s\"/>\n", x,
+        y, u, -v, colour, x, y, colour);
     return text;
 }
 
@@ -42,8 +44,10 @@ std::string picture(const std::vector<const ComparedVector*>& vectors, const Box
     // The fastest arrow is as long as a dozen windows of a field that fills the panel.
     const double length = box.speed > 0 ? panel / 12 / box.speed : 0;
     char head[256];
-    std::snprintf(head, sizeof head, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
-                  3 * width + margin, height + 3 * margin);
+    std::snprintf(head, sizeof head,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" "
+        "font-size=\"11\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
+        3 * width + margin, height + 3 * margin);
     std::string out = head;
     const char* titles[3] = {"measured", "simulated", "difference x 5"};
     for (int k = 0; k < 3; ++k) {
@@ -52,17 +56,20 @@ std::string picture(const std::vector<const ComparedVector*>& vectors, const Box
         out += title;
         for (std::size_t i = 0; i < vectors.size(); i += stride) {
             const auto& one = *vectors[i];
-            const double x = margin + k * width + scale * (one.measured.x - box.left), y = 2 * margin + scale * (box.high - one.measured.y);
+            const double x = margin + k * width + scale * (one.measured.x - box.left),
+                         y = 2 * margin + scale * (box.high - one.measured.y);
             const double u = k == 0 ? one.measured.u : k == 1 ? one.u : difference_factor * (one.u - one.measured.u);
             const double v = k == 0 ? one.measured.v : k == 1 ? one.v : difference_factor * (one.v - one.measured.v);
-            if (std::isfinite(u) && std::isfinite(v)) out += line(x, y, length * u, length * v, k == 2 ? "#b03020" : "#204080");
+            if (std::isfinite(u) && std::isfinite(v))
+                out += line(x, y, length * u, length * v, k == 2 ? "#b03020" : "#204080");
         }
     }
     return out + "</svg>\n";
 }
 } // namespace
 
-std::vector<ReportPicture> write_field_pictures(const std::filesystem::path& folder, const Experiment& experiment, const std::filesystem::path& run) {
+std::vector<ReportPicture> write_field_pictures(
+    const std::filesystem::path& folder, const Experiment& experiment, const std::filesystem::path& run) {
     const auto vectors = read_vectors(run, experiment.name);
     std::map<int, std::vector<const ComparedVector*>> fields;
     Box box;

@@ -36,7 +36,8 @@ struct Crop {
     Crop widened(int width, int height) const {
         if (right == 0) return {0, 0, width, height};
         const int margin = std::max(8, (right - left) / 10);
-        return {std::max(0, left - margin), std::max(0, top - margin), std::min(width, right + margin), std::min(height, bottom + margin)};
+        return {std::max(0, left - margin), std::max(0, top - margin), std::min(width, right + margin),
+            std::min(height, bottom + margin)};
     }
 };
 
@@ -54,8 +55,10 @@ video::Image scaled(const video::Image& from, const Crop& crop, int width, int h
             for (int c = 0; c < 3; ++c) {
                 int sum = 0;
                 for (int j = y0; j < y1; ++j)
-                    for (int i = x0; i < x1; ++i) sum += from.at(std::min(i, from.width - 1), std::min(j, from.height - 1))[c];
-                out.pixels[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x)) + std::size_t(c)] = std::uint8_t(sum / ((x1 - x0) * (y1 - y0)));
+                    for (int i = x0; i < x1; ++i)
+                        sum += from.at(std::min(i, from.width - 1), std::min(j, from.height - 1))[c];
+                out.pixels[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x)) + std::size_t(c)] =
+                    std::uint8_t(sum / ((x1 - x0) * (y1 - y0)));
             }
         }
     return out;
@@ -64,7 +67,8 @@ video::Image scaled(const video::Image& from, const Crop& crop, int width, int h
 video::Image filled(const video::Mask& mask) {
     video::Image out{mask.width, mask.height, std::vector<std::uint8_t>(3 * mask.pixels.size(), 255)};
     for (std::size_t i = 0; i < mask.pixels.size(); ++i) {
-        if (mask.pixels[i] == video::mask_liquid) std::fill_n(out.pixels.begin() + std::ptrdiff_t(3 * i), 3, std::uint8_t(120));
+        if (mask.pixels[i] == video::mask_liquid)
+            std::fill_n(out.pixels.begin() + std::ptrdiff_t(3 * i), 3, std::uint8_t(120));
     }
     return out;
 }
@@ -77,7 +81,8 @@ public:
         image_.width = int(columns) * (cell_width + gap) - gap;
         image_.height = label_height + int(labels.size()) * (label_height + height_);
         image_.pixels.assign(3 * std::size_t(image_.width) * std::size_t(image_.height), 255);
-        for (std::size_t row = 0; row < labels.size(); ++row) video::draw_words(image_, labels[row], gap, top(int(row)) - gap, capitals, ink);
+        for (std::size_t row = 0; row < labels.size(); ++row)
+            video::draw_words(image_, labels[row], gap, top(int(row)) - gap, capitals, ink);
     }
     void add_column(double time, const std::vector<video::Image>& pictures) {
         const int left = column_++ * (cell_width + gap);
@@ -93,7 +98,8 @@ private:
     int top(int row) const { return label_height + row * (label_height + height_) + label_height; }
     void place(const video::Image& cell, int left, int top) {
         for (int y = 0; y < cell.height; ++y)
-            std::copy_n(cell.at(0, y), 3 * cell.width, image_.pixels.begin() + 3 * (std::ptrdiff_t(top + y) * image_.width + left));
+            std::copy_n(cell.at(0, y), 3 * cell.width,
+                image_.pixels.begin() + 3 * (std::ptrdiff_t(top + y) * image_.width + left));
     }
 
     Crop crop_;
@@ -112,8 +118,10 @@ public:
     bool is_there() const { return source_ != nullptr; }
     // Pictures ascend. The mask's where the film has another size or ends before.
     video::Image at(int number, const video::Mask& mask) {
-        while (source_ && frame_.index < number && source_->read(frame_)) {}
-        const bool fits = source_ && frame_.index == number && frame_.image.width == mask.width && frame_.image.height == mask.height;
+        while (source_ && frame_.index < number && source_->read(frame_)) {
+        }
+        const bool fits =
+            source_ && frame_.index == number && frame_.image.width == mask.width && frame_.image.height == mask.height;
         return fits ? frame_.image : filled(mask);
     }
 
@@ -139,16 +147,20 @@ std::filesystem::path film_of(const std::filesystem::path& masks) {
     if (!std::filesystem::exists(summary)) return {};
     std::string clip;
     parse_some(Document::load(summary), [&](Declaration& d) { d.text("clip", clip, "File of the video."); });
-    for (const auto& path : {std::filesystem::path(clip), masks / clip, masks.parent_path() / clip, masks.parent_path() / std::filesystem::path(clip).filename()}) {
+    for (const auto& path : {std::filesystem::path(clip), masks / clip, masks.parent_path() / clip,
+             masks.parent_path() / std::filesystem::path(clip).filename()}) {
         if (!clip.empty() && std::filesystem::is_regular_file(path)) return path;
     }
     return {};
 }
 
-ReportFilm write_film(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const FilmRuns& runs) {
+ReportFilm write_film(
+    const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const FilmRuns& runs) {
     const auto frames = observed_frames(experiment, file.beside(experiment.masks));
     const bool compared = !runs.at_curve.empty();
-    const auto drawn = [](const std::filesystem::path& masks, const ObservedFrame& frame) { return video::read_mask(masks / frame.mask.filename()); };
+    const auto drawn = [](const std::filesystem::path& masks, const ObservedFrame& frame) {
+        return video::read_mask(masks / frame.mask.filename());
+    };
     Crop crop;
     std::size_t columns = 0;
     for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -162,9 +174,11 @@ ReportFilm write_film(const std::filesystem::path& folder, const StudyFile& file
     ReportFilm out{experiment.name + "_contours.mp4", experiment.name + "_rows.png", false};
     Film film(film_of(file.beside(experiment.masks)));
     out.has_film = film.is_there();
-    const std::vector<std::string> usual{"film", "run", "contours of film (blue) and run (red)", "differences: film only (blue), run only (red)"};
+    const std::vector<std::string> usual{
+        "film", "run", "contours of film (blue) and run (red)", "differences: film only (blue), run only (red)"};
     const std::vector<std::string> both{"film", "run at the answer", "run at the measured curve",
-                                        "film only (blue), answer only (red)", "film only (blue), curve only (red)", "answer only (blue), curve only (red)"};
+        "film only (blue), answer only (red)", "film only (blue), curve only (red)",
+        "answer only (blue), curve only (red)"};
     FrameRows rows(crop.widened(first.width, first.height), columns, compared ? both : usual);
     video::ClipOptions options;
     options.width = first.width / 2 * 2;
@@ -182,7 +196,8 @@ ReportFilm write_film(const std::filesystem::path& folder, const StudyFile& file
             continue;
         }
         const auto curve = drawn(runs.at_curve, frames[k]);
-        rows.add_column(frames[k].time, {picture, filled(answer), filled(curve), draw_differences(observed, answer), draw_differences(observed, curve), draw_differences(answer, curve)});
+        rows.add_column(frames[k].time, {picture, filled(answer), filled(curve), draw_differences(observed, answer),
+                                            draw_differences(observed, curve), draw_differences(answer, curve)});
     }
     writer.finish();
     video::write_png(folder / out.rows, rows.image());

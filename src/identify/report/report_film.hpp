@@ -6,8 +6,9 @@ namespace treacle::identify {
 // The film of an experiment with the contours of film and run, by files in the report's folder.
 struct ReportFilm {
     std::string overlay; // NAME_contours.mp4: all compared frames at their times
-    std::string rows;    // NAME_rows.png: up to six frames side by side, below each other with their labels film, run, both contours, differences; with a
-                         // run at a measured curve film, both runs, and the differences of each two of these
+    std::string
+        rows; // NAME_rows.png: up to six frames side by side, below each other with their labels film, run, both contours, differences; with a
+              // run at a measured curve film, both runs, and the differences of each two of these
     bool has_film = false; // else the masks stand in its place
 };
 
@@ -21,6 +22,7 @@ struct FilmRuns {
 };
 
 // Throws InputError and SimulationError.
-ReportFilm write_film(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const FilmRuns& runs);
+ReportFilm write_film(
+    const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment, const FilmRuns& runs);
 
 } // namespace treacle::identify

@@ -16,7 +16,7 @@ video::Image draw_differences(const video::Mask& film, const video::Mask& run);
 struct ReportPicture {
     std::string file, caption;
 };
-std::vector<ReportPicture> write_pictures(const std::filesystem::path& folder, const StudyFile& file, const Experiment& experiment,
-                                          const std::filesystem::path& run);
+std::vector<ReportPicture> write_pictures(const std::filesystem::path& folder, const StudyFile& file,
+    const Experiment& experiment, const std::filesystem::path& run);
 
 } // namespace treacle::identify

@@ -48,13 +48,12 @@ void write_checksum(hid_t file, const std::string& path, std::uint64_t sum) {
     write_attribute(dataset, "checksum", sum);
 }
 
-void describe_checkpoint(hid_t file, int ranks,
-                         const std::vector<std::pair<std::string, AttributeValue>>& values) {
+void describe_checkpoint(hid_t file, int ranks, const std::vector<std::pair<std::string, AttributeValue>>& values) {
     write_attribute(file, "format", checkpoint::format);
     write_attribute(file, "format_version", checkpoint::format_version);
     write_attribute(file, "ranks", static_cast<std::int64_t>(ranks));
     const Handle group(H5Gcreate2(file, "attributes", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
-                       "create the group of attributes");
+        "create the group of attributes");
     for (const auto& [name, value] : values)
         std::visit([&, &key = name](const auto& v) { write_attribute(group, key, v); }, value);
 }
@@ -78,16 +77,14 @@ void CheckpointWriter::replicated(const std::string& name, std::span<const std::
 void CheckpointWriter::distributed(const std::string& name, int components, std::span<const double> values) {
     state_->add_distributed(name, components, values);
 }
-void CheckpointWriter::distributed(const std::string& name, int components,
-                                   std::span<const std::int64_t> values) {
+void CheckpointWriter::distributed(const std::string& name, int components, std::span<const std::int64_t> values) {
     state_->add_distributed(name, components, values);
 }
 void CheckpointWriter::distributed(const std::string& name, int components, std::vector<double>&& values) {
     const auto& kept = state_->kept.emplace_back(std::move(values));
     state_->add_distributed(name, components, std::span(std::get<0>(kept)));
 }
-void CheckpointWriter::distributed(const std::string& name, int components,
-                                   std::vector<std::int64_t>&& values) {
+void CheckpointWriter::distributed(const std::string& name, int components, std::vector<std::int64_t>&& values) {
     const auto& kept = state_->kept.emplace_back(std::move(values));
     state_->add_distributed(name, components, std::span(std::get<1>(kept)));
 }

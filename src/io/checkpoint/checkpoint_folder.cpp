@@ -10,8 +10,7 @@ namespace {
 const std::regex checkpoint_name("checkpoint_([0-9]{9,18})\\.h5");
 const std::regex temporary_name("checkpoint_[0-9]{9,18}\\.h5\\.tmp");
 
-std::vector<std::filesystem::path> files_like(const std::filesystem::path& folder,
-                                              const std::regex& pattern) {
+std::vector<std::filesystem::path> files_like(const std::filesystem::path& folder, const std::regex& pattern) {
     std::vector<std::filesystem::path> files;
     std::error_code missing;
     for (const auto& item : std::filesystem::directory_iterator(folder, missing))
@@ -34,8 +33,7 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::
 
 std::vector<std::filesystem::path> list_checkpoints(const std::filesystem::path& folder) {
     auto files = files_like(folder, checkpoint_name);
-    std::sort(files.begin(), files.end(),
-              [](const auto& a, const auto& b) { return step_of(a) > step_of(b); });
+    std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return step_of(a) > step_of(b); });
     return files;
 }
 

@@ -53,8 +53,7 @@ std::vector<T> read_whole(hid_t file, const std::string& path) {
     const auto [rows, components] = shape(dataset);
     std::vector<T> values(static_cast<std::size_t>(rows * components));
     if (!values.empty())
-        check(H5Dread(dataset, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
-              "read " + path);
+        check(H5Dread(dataset, memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read " + path);
     if (checkpoint::checksum(std::span<const T>(values), 0) != read_unsigned(dataset, "checksum"))
         throw Hdf5Failure(path + ": the checksum is wrong");
     return values;
@@ -144,8 +143,7 @@ Contents unpack_contents(const std::string& bytes) {
     for (const auto& [name, value] : in[1].items()) contents.attributes[name] = unpack<AttributeValue>(value);
     for (const auto& [name, value] : in[2].items()) contents.replicated[name] = unpack<Array>(value);
     for (const auto& [name, info] : in[3].items())
-        contents.distributed[name] = {info[0], info[1], info[2], info[3],
-                                      info[4].get<std::vector<std::int64_t>>()};
+        contents.distributed[name] = {info[0], info[1], info[2], info[3], info[4].get<std::vector<std::int64_t>>()};
     return contents;
 }
 } // namespace
@@ -158,7 +156,7 @@ struct CheckpointReader::State {
 
     [[noreturn]] void missing(const std::string& what) const {
         throw InputError(Diagnostic{path.string(), "this checkpoint has no " + what,
-                                    "it comes from another scene or another version", "start the run anew"});
+            "it comes from another scene or another version", "start the run anew"});
     }
     const ArrayInfo& info(const std::string& name) const {
         const auto found = contents.distributed.find(name);
@@ -191,7 +189,7 @@ std::vector<T> CheckpointReader::State::read(const std::string& name, const Arra
     comm.guard([&] {
         if (info.total > 0)
             check(H5Dread(dataset, memory_type<T>(), selection.memory, selection.file, list, values.data()),
-                  "read " + name);
+                "read " + name);
     });
     const auto own = checkpoint::checksum(std::span<const T>(values), first * info.components);
     const auto sum = static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(own)));
@@ -266,8 +264,7 @@ std::int64_t CheckpointReader::total_rows(const std::string& name) const { retur
 template <class T>
 Rows<T> CheckpointReader::distributed(const std::string& name) const {
     const auto& info = state_->info(name);
-    if (info.type != (std::is_same_v<T, double> ? 0 : 1))
-        state_->missing("array '" + name + "' of the wanted type");
+    if (info.type != (std::is_same_v<T, double> ? 0 : 1)) state_->missing("array '" + name + "' of the wanted type");
     return {info.components, info.total, state_->read<T>(name, info)};
 }
 

@@ -21,10 +21,8 @@ hid_t type_of(const Dataset& dataset) {
     return types[dataset.values.index()];
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb,
-                       const std::string& reason) {
-    throw SimulationError(
-        {path.string(), "cannot " + verb, reason, "free some space or choose another folder"});
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& verb, const std::string& reason) {
+    throw SimulationError({path.string(), "cannot " + verb, reason, "free some space or choose another folder"});
 }
 
 enum class Reserved { yes, unknown };
@@ -43,7 +41,7 @@ Reserved reserve(const std::filesystem::path& path, std::int64_t bytes) {
     // A capacity of zero: unknown to the file system.
     if (!unknown && space.capacity > 0 && space.available < static_cast<std::uintmax_t>(bytes))
         fail(path, "reserve " + std::to_string(bytes) + " bytes",
-             "only " + std::to_string(space.available) + " bytes are free");
+            "only " + std::to_string(space.available) + " bytes are free");
     return Reserved::unknown;
 }
 
@@ -72,14 +70,12 @@ void create_dataset(hid_t file, const Dataset& dataset, std::int64_t total) {
     check(H5Pset_obj_track_times(list, false), "make dataset properties");
     check(H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY), "make dataset properties");
     check(H5Pset_fill_time(list, H5D_FILL_TIME_NEVER), "make dataset properties");
-    const Handle made(
-        H5Dcreate2(file, dataset.path.c_str(), type_of(dataset), space, links, list, H5P_DEFAULT), H5Dclose,
-        "create " + dataset.path);
+    const Handle made(H5Dcreate2(file, dataset.path.c_str(), type_of(dataset), space, links, list, H5P_DEFAULT),
+        H5Dclose, "create " + dataset.path);
 }
 
 // On rank 0 alone. The file has its full size at the end, without the values.
-Reserved create_file(const std::filesystem::path& path, const FilePlan& plan,
-                     const std::vector<Extent>& extents) {
+Reserved create_file(const std::filesystem::path& path, const FilePlan& plan, const std::vector<Extent>& extents) {
     std::int64_t bytes = bytes_of_metadata;
     for (std::size_t i = 0; i < extents.size(); ++i)
         bytes += bytes_per_dataset + extents[i].total * plan.datasets[i].components *
@@ -108,24 +104,21 @@ const void* stored_form(const Dataset& dataset, std::vector<float>& singles) {
         dataset.values);
 }
 
-void write_values(const Comm& comm, hid_t file, const Dataset& dataset, const Extent& extent,
-                  bool collective) {
+void write_values(const Comm& comm, hid_t file, const Dataset& dataset, const Extent& extent, bool collective) {
     if (extent.total == 0) return;
     std::vector<float> singles;
     Handle opened, list;
     RowSelection rows;
     const void* memory = nullptr;
-    comm.guard([&] {
-        opened = Handle(H5Dopen2(file, dataset.path.c_str(), H5P_DEFAULT), H5Dclose, "open " + dataset.path);
-    });
+    comm.guard(
+        [&] { opened = Handle(H5Dopen2(file, dataset.path.c_str(), H5P_DEFAULT), H5Dclose, "open " + dataset.path); });
     comm.guard([&] {
         rows = select_rows(opened, extent.first, extent.rows, dataset.components);
         list = transfer(collective);
         memory = stored_form(dataset, singles);
     });
     comm.guard([&] {
-        check(H5Dwrite(opened, type_of(dataset), rows.memory, rows.file, list, memory),
-              "write " + dataset.path);
+        check(H5Dwrite(opened, type_of(dataset), rows.memory, rows.file, list, memory), "write " + dataset.path);
     });
 }
 
@@ -137,8 +130,7 @@ void write_temporary(const Comm& comm, const std::filesystem::path& temporary, c
     const bool collective = comm.any(reserved != 0);
 
     auto file = open_collective(comm, temporary.string(), H5F_ACC_RDWR);
-    for (std::size_t i = 0; i < extents.size(); ++i)
-        write_values(comm, file, plan.datasets[i], extents[i], collective);
+    for (std::size_t i = 0; i < extents.size(); ++i) write_values(comm, file, plan.datasets[i], extents[i], collective);
     comm.guard([&] { check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file"); });
     comm.guard([&] { file.close("close the file"); });
 }
@@ -152,8 +144,7 @@ void check_plan(const Comm& comm, const FilePlan& plan) {
                          std::to_string(dataset.values.index()) + '\n';
             const auto size = std::visit([](const auto& values) { return values.size(); }, dataset.values);
             if (dataset.components < 1 || size % static_cast<std::size_t>(dataset.components) != 0)
-                throw std::logic_error(dataset.path +
-                                       ": the number of values is no multiple of the components");
+                throw std::logic_error(dataset.path + ": the number of values is no multiple of the components");
         }
     });
     const auto of_root = comm.broadcast(signature);
@@ -164,8 +155,7 @@ void check_plan(const Comm& comm, const FilePlan& plan) {
 } // namespace
 
 std::int64_t row_count(const Dataset& dataset) {
-    return std::visit([](const auto& values) { return static_cast<std::int64_t>(values.size()); },
-                      dataset.values) /
+    return std::visit([](const auto& values) { return static_cast<std::int64_t>(values.size()); }, dataset.values) /
            dataset.components;
 }
 

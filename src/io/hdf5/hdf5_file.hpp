@@ -17,8 +17,8 @@ enum class Stored { as_given, float32 };
 enum class Metadata { widely_readable, checked };
 
 // [rows * components].
-using Values = std::variant<std::span<const double>, std::span<const std::int64_t>,
-                            std::span<const std::int32_t>, std::span<const std::uint8_t>>;
+using Values = std::variant<std::span<const double>, std::span<const std::int64_t>, std::span<const std::int32_t>,
+    std::span<const std::uint8_t>>;
 
 // This rank's rows of one dataset, [rows][components]; rows of all ranks follow each other in rank order.
 struct Dataset {

@@ -27,8 +27,8 @@ Handle attribute(hid_t object, const std::string& name) {
 
 void write_scalar(hid_t object, const std::string& name, hid_t type, const void* value) {
     const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a data space");
-    const Handle made(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                      "create attribute " + name);
+    const Handle made(
+        H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "create attribute " + name);
     check(H5Awrite(made, type, value), "write attribute " + name);
 }
 
@@ -71,7 +71,9 @@ namespace {
 // file alone: one that a killed run has left closed stops every later run that opens a file of that name, for ever.
 // Without its name it stops no run; those that have it open keep it. (Its other ways of sharing put files beside the
 // file.)
-void forget_semaphore_of(const std::string& path) { sem_unlink(("/OMPIO_" + std::filesystem::path(path).filename().string()).c_str()); }
+void forget_semaphore_of(const std::string& path) {
+    sem_unlink(("/OMPIO_" + std::filesystem::path(path).filename().string()).c_str());
+}
 } // namespace
 
 Handle open_collective(const Comm& comm, const std::string& path, unsigned flags) {
@@ -109,8 +111,7 @@ RowSelection select_rows(hid_t dataset, std::int64_t first, std::int64_t rows, i
 
 Handle transfer(bool collective) {
     Handle list(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "make transfer properties");
-    check(H5Pset_dxpl_mpio(list, collective ? H5FD_MPIO_COLLECTIVE : H5FD_MPIO_INDEPENDENT),
-          "set transfer properties");
+    check(H5Pset_dxpl_mpio(list, collective ? H5FD_MPIO_COLLECTIVE : H5FD_MPIO_INDEPENDENT), "set transfer properties");
     return list;
 }
 

@@ -26,7 +26,8 @@ MatArray read_array(hid_t dataset, const std::string& name) {
     MatArray out;
     std::tie(out.rows, out.columns) = shape(dataset);
     out.values.resize(std::size_t(out.rows) * std::size_t(out.columns));
-    if (!out.values.empty()) check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.values.data()), "read " + name);
+    if (!out.values.empty())
+        check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.values.data()), "read " + name);
     return out;
 }
 } // namespace

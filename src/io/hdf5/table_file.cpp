@@ -15,8 +15,8 @@ std::string dataset_name(std::string name) {
 void write_column(hid_t file, const std::string& name, hid_t type, std::size_t rows, const void* values) {
     const hsize_t size = rows;
     const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, "make a data space");
-    const Handle made(H5Dcreate2(file, dataset_name(name).c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-                      "create dataset " + name);
+    const Handle made(H5Dcreate2(file, dataset_name(name).c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose, "create dataset " + name);
     if (rows > 0) check(H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "write dataset " + name);
 }
 
@@ -35,8 +35,10 @@ void write_table_file(const std::filesystem::path& path, const TableFile& table)
     temporary += ".tmp";
     try {
         quiet_hdf5();
-        Handle file(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "create " + temporary.string());
-        for (const auto& [name, values] : table.numbers) write_column(file, name, H5T_NATIVE_DOUBLE, values.size(), values.data());
+        Handle file(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
+            "create " + temporary.string());
+        for (const auto& [name, values] : table.numbers)
+            write_column(file, name, H5T_NATIVE_DOUBLE, values.size(), values.data());
         for (const auto& [name, texts] : table.texts) write_texts(file, name, texts);
         file.close("write " + temporary.string());
     } catch (const Hdf5Failure& failure) {

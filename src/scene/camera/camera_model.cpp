@@ -23,9 +23,7 @@ struct Distorted {
     std::array<Vec2, 2> jacobian; // rows d(x')/d(x, y), d(y')/d(x, y)
     bool sound;                   // neither factor of the rational term is negative
 
-    double determinant() const {
-        return jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
-    }
+    double determinant() const { return jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0]; }
 };
 
 // The formulas of Lens.
@@ -38,9 +36,9 @@ Distorted distort_within(const std::array<double, 8>& d, const Vec2& p) {
     const double slope = (above_slope - c * below_slope) / below; // dc/d(r^2)
     const double mixed = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
     return {{x * c + 2 * p1 * x * y + p2 * (rr + 2 * x * x), y * c + p1 * (rr + 2 * y * y) + 2 * p2 * x * y},
-            {Vec2{c + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x, mixed},
-             Vec2{mixed, c + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x}},
-            above > 0 && below > 0};
+        {Vec2{c + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x, mixed},
+            Vec2{mixed, c + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x}},
+        above > 0 && below > 0};
 }
 
 bool is_one_to_one(const std::array<double, 8>& d, double radius) {
@@ -74,22 +72,23 @@ double find_max_radius(const Lens& lens) {
 
 double radius_of(const Vec2& p) { return std::hypot(p[0], p[1]); }
 
-[[noreturn]] void refuse(const std::string& name, const std::string& problem, const std::string& reason,
-                         const std::string& cure) {
+[[noreturn]] void refuse(
+    const std::string& name, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({name, problem, reason, cure});
 }
 
 void check_lens(const std::string& name, const Lens& lens) {
     if (lens.width < 1 || lens.height < 1 || lens.width > largest_side || lens.height > largest_side)
         refuse(name, "pictures of " + std::to_string(lens.width) + " x " + std::to_string(lens.height) + " pixels",
-               "the focal length and the centre hold for one size of picture only", "give image_width and image_height");
+            "the focal length and the centre hold for one size of picture only", "give image_width and image_height");
     const auto finite = [](double v) { return std::isfinite(v); };
     if (!std::ranges::all_of(lens.distortion, finite) || !finite(lens.fx) || !finite(lens.fy) || !finite(lens.cx) ||
         !finite(lens.cy))
         refuse(name, "the camera matrix or the distortion is not finite", "", "calibrate the camera anew");
     if (!(lens.fx > 0 && lens.fy > 0))
-        refuse(name, "focal lengths " + format_number(lens.fx) + " and " + format_number(lens.fy) + " pixels: must be > 0",
-               "", "give camera_matrix with fx and fy on its diagonal");
+        refuse(name,
+            "focal lengths " + format_number(lens.fx) + " and " + format_number(lens.fy) + " pixels: must be > 0", "",
+            "give camera_matrix with fx and fy on its diagonal");
 }
 
 void check_pose(const std::string& name, const CameraPose& pose) {
@@ -99,8 +98,9 @@ void check_pose(const std::string& name, const CameraPose& pose) {
         for (std::size_t j = 0; j < 3; ++j) error = std::max(error, std::abs(square[i][j] - (i == j ? 1.0 : 0.0)));
     const double volume = dot(pose.rotation[0], cross(pose.rotation[1], pose.rotation[2]));
     if (!(error < 1e-4) || !(volume > 0) || !is_finite(pose.translation))
-        refuse(name, "the pose is not a rotation and a translation", "its matrix does not keep lengths or mirrors space",
-               "give R with orthonormal rows and determinant 1, or a rotation vector");
+        refuse(name, "the pose is not a rotation and a translation",
+            "its matrix does not keep lengths or mirrors space",
+            "give R with orthonormal rows and determinant 1, or a rotation vector");
 }
 
 // Three steps to the closest rotation (Higham 1986: R <- (R + R^-T) / 2).
@@ -123,12 +123,13 @@ Lens resized(const Lens& lens, int width, int height) {
     const double x = double(width) / lens.width, y = double(height) / lens.height;
     if (std::abs(lens.height * x - height) > 1 && std::abs(lens.width * y - width) > 1) {
         const bool turned = std::abs(lens.width * double(width) / lens.height - height) <= 1;
-        refuse("", "the camera was calibrated for pictures of " + std::to_string(lens.width) + " x " +
-                       std::to_string(lens.height) + " pixels, these have " + std::to_string(width) + " x " +
-                       std::to_string(height),
-               turned ? "they are turned by a quarter" : "they are cropped or squeezed",
-               turned ? "turn the pictures as those of the calibration were"
-                      : "film board and experiment in the same mode of the camera");
+        refuse("",
+            "the camera was calibrated for pictures of " + std::to_string(lens.width) + " x " +
+                std::to_string(lens.height) + " pixels, these have " + std::to_string(width) + " x " +
+                std::to_string(height),
+            turned ? "they are turned by a quarter" : "they are cropped or squeezed",
+            turned ? "turn the pictures as those of the calibration were"
+                   : "film board and experiment in the same mode of the camera");
     }
     Lens out = lens;
     out.width = width;
@@ -201,16 +202,14 @@ CameraModel::CameraModel(std::string name, const Lens& lens, const CameraPose& p
             const double r = max_radius_ > 0 ? radius_of(ray({x, y})) : 1;
             if (r <= max_radius_) continue;
             refuse(name_, "the distortion folds the picture over near its corners",
-                   "beyond " + format_number(std::round(std::atan(max_radius_) * 1800 / std::numbers::pi) / 10) +
-                       " degrees from the axis two rays meet the same pixel",
-                   "calibrate with the board near the corners too, or with fewer coefficients");
+                "beyond " + format_number(std::round(std::atan(max_radius_) * 1800 / std::numbers::pi) / 10) +
+                    " degrees from the axis two rays meet the same pixel",
+                "calibrate with the board near the corners too, or with fewer coefficients");
         }
     }
 }
 
-CameraModel CameraModel::for_size(int width, int height) const {
-    return {name_, resized(lens_, width, height), pose_};
-}
+CameraModel CameraModel::for_size(int width, int height) const { return {name_, resized(lens_, width, height), pose_}; }
 
 Vec3 CameraModel::to_camera(const Vec3& world) const { return scene::apply(pose_.rotation, world) + pose_.translation; }
 
@@ -230,8 +229,7 @@ Vec2 CameraModel::distort(const Vec2& ideal) const {
     const double r = radius_of(ideal);
     if (r <= max_radius_) return distort_within(lens_.distortion, ideal).point;
     const Vec2 direction{ideal[0] / r, ideal[1] / r};
-    const Vec2 rim =
-        distort_within(lens_.distortion, {max_radius_ * direction[0], max_radius_ * direction[1]}).point;
+    const Vec2 rim = distort_within(lens_.distortion, {max_radius_ * direction[0], max_radius_ * direction[1]}).point;
     return {rim[0] + (r - max_radius_) * direction[0], rim[1] + (r - max_radius_) * direction[1]};
 }
 
@@ -248,8 +246,8 @@ Vec2 CameraModel::undistort(const Vec2& distorted) const {
         const auto at = distort_within(lens_.distortion, {inside * p[0], inside * p[1]});
         const double determinant = at.determinant();
         const auto& j = at.jacobian;
-        const Vec2 step{(j[1][1] * gap[0] - j[0][1] * gap[1]) / determinant,
-                        (j[0][0] * gap[1] - j[1][0] * gap[0]) / determinant};
+        const Vec2 step{
+            (j[1][1] * gap[0] - j[0][1] * gap[1]) / determinant, (j[0][0] * gap[1] - j[1][0] * gap[0]) / determinant};
         // Halved until the residual falls.
         double length = 1;
         Vec2 next, next_gap;

@@ -21,9 +21,9 @@ using Vec2 = std::array<double, 2>;  // [pixels], or (X/Z, Y/Z) without unit
 //   c = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
 // (OpenCV 4.6, calib3d; the first five: Brown 1966).
 struct Lens {
-    int width = 0, height = 0;            // [pixels] of the pictures for which the numbers hold
+    int width = 0, height = 0;             // [pixels] of the pictures for which the numbers hold
     double fx = 0, fy = 0, cx = 0, cy = 0; // [pixels]
-    std::array<double, 8> distortion{};   // k1 k2 p1 p2 k3 k4 k5 k6
+    std::array<double, 8> distortion{};    // k1 k2 p1 p2 k3 k4 k5 k6
 
     bool is_distorted() const; // any coefficient is not 0
     bool operator==(const Lens&) const = default;
@@ -36,7 +36,7 @@ Lens resized(const Lens& lens, int width, int height);
 // Extrinsic parameters: X_camera = R X_world + t.
 struct CameraPose {
     Matrix3 rotation{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}; // R, world to camera
-    Vec3 translation{0, 0, 0};                                      // t [m]
+    Vec3 translation{0, 0, 0};                                     // t [m]
 
     Vec3 position() const; // of the camera in the world, -R^T t [m]
     bool operator==(const CameraPose&) const = default;

@@ -55,8 +55,8 @@ bool Projection::bent(const Seen& a, const Seen& b, double straightness) const {
 
 TriangleRaster::TriangleRaster(const Projection& projection, int samples, double straightness)
     : projection_(projection), samples_(samples), width_(projection.camera().lens().width * samples),
-      height_(projection.camera().lens().height * samples), straightness_(straightness),
-      parts_{{{0, 0, -1}, -Projection::near}} {}
+      height_(projection.camera().lens().height * samples),
+      straightness_(straightness), parts_{{{0, 0, -1}, -Projection::near}} {}
 
 bool TriangleRaster::is_simple(const Piece& piece) const {
     for (const auto& part : parts_) {
@@ -79,7 +79,8 @@ void TriangleRaster::cut(const Piece& piece) {
         kept.clear();
         for (std::size_t k = 0; k < polygon.size(); ++k) {
             const Corner &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-            const double from_a = dot(part.normal, a.seen.camera) - part.offset, from_b = dot(part.normal, b.seen.camera) - part.offset;
+            const double from_a = dot(part.normal, a.seen.camera) - part.offset,
+                         from_b = dot(part.normal, b.seen.camera) - part.offset;
             if (from_a <= 0) kept.push_back(a);
             if ((from_a <= 0) == (from_b <= 0)) continue;
             const Corner &in = from_a <= 0 ? a : b, &out = from_a <= 0 ? b : a;

@@ -96,7 +96,8 @@ private:
     void split(const Piece& piece, int level);
     Corner middle(const Corner& a, const Corner& b) const;
 
-    static std::int64_t cross(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by, std::int64_t px, std::int64_t py) {
+    static std::int64_t cross(
+        std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by, std::int64_t px, std::int64_t py) {
         return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
     }
     static std::int64_t divide_down(std::int64_t v, std::int64_t by) { return v >= 0 ? v / by : -((-v + by - 1) / by); }
@@ -143,11 +144,13 @@ private:
             }
             for (auto column = left; column <= right; ++column) {
                 if (w[0] >= least[0] && w[1] >= least[1] && w[2] >= least[2]) {
-                    const double weight[3] = {double(w[0]) * inverse[0], double(w[1]) * inverse[1], double(w[2]) * inverse[2]};
+                    const double weight[3] = {
+                        double(w[0]) * inverse[0], double(w[1]) * inverse[1], double(w[2]) * inverse[2]};
                     const double sum = (weight[0] + weight[1] + weight[2]) / double(area);
                     RasterSample sample{column, row, 1 / sum, {0, 0, 0}, front};
                     for (int k = 0; k < 3; ++k) {
-                        for (std::size_t c = 0; c < 3; ++c) sample.share[c] += weight[k] / (double(area) * sum) * corner[k]->share[c];
+                        for (std::size_t c = 0; c < 3; ++c)
+                            sample.share[c] += weight[k] / (double(area) * sum) * corner[k]->share[c];
                     }
                     visit(sample);
                 }

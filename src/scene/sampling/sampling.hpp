@@ -38,9 +38,10 @@ enum class Filling { points, room };
 
 // Request to fill_volume().
 struct VolumeFill {
-    std::vector<Regions> liquids;      // where two overlap, the first one counts
-    Regions solids;                    // their union
-    double clearance = 0;              // [m] least distance of a particle from the solids; 0: points on a face count as those of the liquid
+    std::vector<Regions> liquids; // where two overlap, the first one counts
+    Regions solids;               // their union
+    double clearance =
+        0; // [m] least distance of a particle from the solids; 0: points on a face count as those of the liquid
     Lattice lattice;                   // of the whole domain
     Bounds part;                       // half-open box [min, max): only the particles in it are made
     Filling filling = Filling::points; // of points beside solids
@@ -95,7 +96,7 @@ struct SurfaceSampling {
 struct SurfaceSamples {
     std::vector<Vec3> positions; // [m]
     std::vector<Vec3> normals;   // unit, out of the solid
-    std::size_t thin = 0; // samples where the solid is thinner than twice the inset; they lie in its middle
+    std::size_t thin = 0;        // samples where the solid is thinner than twice the inset; they lie in its middle
 };
 
 // One layer of points about d apart, at the depth `inset`, the same on every machine run and rank. Boxes,

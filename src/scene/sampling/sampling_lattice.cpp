@@ -21,8 +21,7 @@ std::array<std::int64_t, 3> Lattice::size() const {
         total *= count;
         if (!(total < 4e18))
             throw InputError({"", "the domain holds more than 4e18 lattice points",
-                              "particles are numbered with 64 bits",
-                              "raise the spacing or shrink the domain"});
+                "particles are numbered with 64 bits", "raise the spacing or shrink the domain"});
         n[a] = static_cast<std::int64_t>(count);
     }
     return n;
@@ -30,8 +29,7 @@ std::array<std::int64_t, 3> Lattice::size() const {
 
 std::uint64_t Lattice::points() const {
     const Index n = size();
-    return static_cast<std::uint64_t>(n[0]) * static_cast<std::uint64_t>(n[1]) *
-           static_cast<std::uint64_t>(n[2]);
+    return static_cast<std::uint64_t>(n[0]) * static_cast<std::uint64_t>(n[1]) * static_cast<std::uint64_t>(n[2]);
 }
 
 Vec3 Lattice::position(const Index& index) const {

@@ -41,8 +41,8 @@ std::uint64_t estimate_surface_count(const SolidRegion& region, const SurfaceSam
     double area = region.area();
     if (!std::isfinite(area)) { // a plane: no larger than the largest section of the clip
         const Vec3 e = sampling.clip.max - sampling.clip.min;
-        area = plane_scene ? std::hypot(e[0], e[1])
-                           : std::sqrt(3.0) * std::max({e[0] * e[1], e[1] * e[2], e[2] * e[0]});
+        area =
+            plane_scene ? std::hypot(e[0], e[1]) : std::sqrt(3.0) * std::max({e[0] * e[1], e[1] * e[2], e[2] * e[0]});
     }
     if (region.inverted()) { // the layer lies outside the surface
         const Bounds b = region.surface_bounds();
@@ -51,8 +51,7 @@ std::uint64_t estimate_surface_count(const SolidRegion& region, const SurfaceSam
         area *= plane_scene ? growth : growth * growth;
     }
     // At most about 1.35 points per d^2, and a few more for edges.
-    const double count =
-        plane_scene ? 1.1 * area / d + 8 : 1.35 * area / (d * d) + 4 * std::sqrt(area) / d + 32;
+    const double count = plane_scene ? 1.1 * area / d + 8 : 1.35 * area / (d * d) + 4 * std::sqrt(area) / d + 32;
     return static_cast<std::uint64_t>(std::min(count, 4e18));
 }
 

@@ -27,10 +27,9 @@ struct IndexBox {
     Index lo{0, 0, 0}, hi{0, 0, 0}; // half-open
     bool empty() const { return lo[0] >= hi[0] || lo[1] >= hi[1] || lo[2] >= hi[2]; }
     std::uint64_t points() const {
-        return empty()
-                   ? 0
-                   : static_cast<std::uint64_t>(hi[0] - lo[0]) * static_cast<std::uint64_t>(hi[1] - lo[1]) *
-                         static_cast<std::uint64_t>(hi[2] - lo[2]);
+        return empty() ? 0
+                       : static_cast<std::uint64_t>(hi[0] - lo[0]) * static_cast<std::uint64_t>(hi[1] - lo[1]) *
+                             static_cast<std::uint64_t>(hi[2] - lo[2]);
     }
     std::int64_t longest() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
 };
@@ -122,7 +121,8 @@ public:
 private:
     bool in_liquid(const Vec3& x) const {
         const Vec3 moved = decided_at(x, fill_.lattice);
-        return std::any_of(fill_.liquids.begin(), fill_.liquids.end(), [&](const Regions& one) { return distance_to(one, moved) < 0; });
+        return std::any_of(fill_.liquids.begin(), fill_.liquids.end(),
+            [&](const Regions& one) { return distance_to(one, moved) < 0; });
     }
     // Fraction of the cell of a point that lies outside the solids, as if their surface were flat there.
     double outside_fraction(const Vec3& x) const {
@@ -135,7 +135,8 @@ private:
         if (gap < -half - radius) return none;
         if (liquid < none || (radius > 0 && gap < half + radius)) return std::nullopt;
         // Half open, so that n spacings between two faces hold n layers.
-        const bool taken = fill_.filling == Filling::points ? gap >= 0 : threshold(x) < 0.5 + gap / fill_.lattice.spacing;
+        const bool taken =
+            fill_.filling == Filling::points ? gap >= 0 : threshold(x) < 0.5 + gap / fill_.lattice.spacing;
         return taken ? liquid : none;
     }
     // Numbers in [0, 1) of the points of a lattice, evenly spread over any row and plane of it (Roberts 2018, R_3).
@@ -171,8 +172,8 @@ Vec3 moved_out(const VolumeFill& fill, Vec3 x) {
 // points an edge, classified by their middle. The distances are 1-Lipschitz, so a block far from every surface
 // needs one evaluation.
 template <class Decide, class Visit>
-void visit_blocks(const Lattice& lattice, const IndexBox& box, std::int64_t finest, const Decide& decide,
-                  const Visit& visit) {
+void visit_blocks(
+    const Lattice& lattice, const IndexBox& box, std::int64_t finest, const Decide& decide, const Visit& visit) {
     if (box.empty()) return;
     Vec3 middle{0, 0, 0}, half{0, 0, 0};
     for (int a = 0; a < lattice.dimensions; ++a) {
@@ -206,8 +207,7 @@ IndexBox liquid_box(const VolumeFill& fill, const Bounds& part) {
 }
 
 std::uint64_t linear(const Index& i, const Index& n) {
-    return (static_cast<std::uint64_t>(i[2]) * static_cast<std::uint64_t>(n[1]) +
-            static_cast<std::uint64_t>(i[1])) *
+    return (static_cast<std::uint64_t>(i[2]) * static_cast<std::uint64_t>(n[1]) + static_cast<std::uint64_t>(i[1])) *
                static_cast<std::uint64_t>(n[0]) +
            static_cast<std::uint64_t>(i[0]);
 }
@@ -241,7 +241,7 @@ VolumeSamples fill_volume(const VolumeFill& fill) {
             for (auto j = block.lo[1]; j < block.hi[1]; ++j) {
                 const auto row = linear({block.lo[0] - box.lo[0], j - box.lo[1], k - box.lo[2]}, extent);
                 std::fill_n(liquid.begin() + static_cast<std::ptrdiff_t>(row), block.hi[0] - block.lo[0],
-                            static_cast<std::int16_t>(answer));
+                    static_cast<std::int16_t>(answer));
             }
     });
     VolumeSamples result;
@@ -267,10 +267,9 @@ VolumeSamples fill_volume(const VolumeFill& fill) {
 std::vector<std::uint64_t> estimate_liquid_counts(const VolumeFill& fill) {
     std::vector<std::uint64_t> counts(fill.liquids.size(), 0);
     const IndexBox box = liquid_box(fill, {});
-    visit_blocks(fill.lattice, box, estimate_block(box), Decider(fill),
-                 [&](const IndexBox& block, int answer) {
-                     if (answer != none) counts[static_cast<std::size_t>(answer)] += block.points();
-                 });
+    visit_blocks(fill.lattice, box, estimate_block(box), Decider(fill), [&](const IndexBox& block, int answer) {
+        if (answer != none) counts[static_cast<std::size_t>(answer)] += block.points();
+    });
     return counts;
 }
 
@@ -292,9 +291,8 @@ Overlap find_overlap(const Regions& liquid, const Regions& solids, const Lattice
         result.total += block.points();
         if (answer == 0) return;
         if (result.count == 0)
-            result.example =
-                lattice.position({(block.lo[0] + block.hi[0] - 1) / 2, (block.lo[1] + block.hi[1] - 1) / 2,
-                                  (block.lo[2] + block.hi[2] - 1) / 2});
+            result.example = lattice.position({(block.lo[0] + block.hi[0] - 1) / 2, (block.lo[1] + block.hi[1] - 1) / 2,
+                (block.lo[2] + block.hi[2] - 1) / 2});
         result.count += block.points();
     });
     return result;
@@ -352,11 +350,12 @@ Overlap find_outside(const Regions& liquid, const Lattice& lattice) {
         std::int64_t thickness = part.hi[0] - part.lo[0];
         for (int a = 1; a < lattice.dimensions; ++a) thickness = std::min(thickness, part.hi[a] - part.lo[a]);
         const bool by_point = thickness <= thin && part.points() <= most_points;
-        visit_blocks(lattice, part, by_point ? 1 : estimate_block(part), Decider(fill), [&](const IndexBox& block, int answer) {
-            if (answer == none) return;
-            if (result.count == 0) result.example = lattice.position(block.lo);
-            result.count += block.points();
-        });
+        visit_blocks(
+            lattice, part, by_point ? 1 : estimate_block(part), Decider(fill), [&](const IndexBox& block, int answer) {
+                if (answer == none) return;
+                if (result.count == 0) result.example = lattice.position(block.lo);
+                result.count += block.points();
+            });
     }
     result.total = result.count;
     visit_blocks(lattice, box, coarse, Decider(fill), [&](const IndexBox& block, int answer) {

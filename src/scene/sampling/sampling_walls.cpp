@@ -72,8 +72,7 @@ void require_valid(const WallSampling& s) {
         problem << "domain: the periodic edge of " << edge << " m along "
                 << "xyz"[a] << " is not a multiple of the spacing of " << s.lattice.spacing << " m";
         cure << "make it " << std::max(1.0, std::round(edge / s.lattice.spacing)) * s.lattice.spacing << " m";
-        throw InputError(
-            {"", problem.str(), "the lattice of particles would not close on itself", cure.str()});
+        throw InputError({"", problem.str(), "the lattice of particles would not close on itself", cure.str()});
     }
 }
 
@@ -147,8 +146,7 @@ void add_wall(const WallSampling& s, const Wall& wall, WallSamples& result) {
             result.normals.push_back(normal_at(s, x));
             result.faces.push_back(wall.side);
             result.ids.push_back(wall.first_id +
-                                 static_cast<std::uint64_t>(j) *
-                                     static_cast<std::uint64_t>(wall.lines[0].size()) +
+                                 static_cast<std::uint64_t>(j) * static_cast<std::uint64_t>(wall.lines[0].size()) +
                                  static_cast<std::uint64_t>(i));
         }
 }

@@ -9,21 +9,22 @@
 namespace treacle::scene {
 namespace {
 
-[[noreturn]] void reject(const Shape& shape, const std::string& problem, const std::string& reason,
-                         const std::string& cure) {
+[[noreturn]] void reject(
+    const Shape& shape, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({shape.where, std::string(name_of(shape.kind)) + problem, reason, cure});
 }
 
 [[noreturn]] void reject_empty(const Shape& shape, int dimensions) {
     if (shape.clip)
         throw InputError({shape.where, std::string(name_of(shape.parts.front().kind)) + ".clip leaves nothing",
-                          "it is all outside of the domain", "move it into the domain"});
+            "it is all outside of the domain", "move it into the domain"});
     const std::string at = dimensions == 2 ? " at z = 0, which is all that a plane scene sees" : "";
     if (shape.kind == ShapeKind::subtract)
         reject(shape, " is empty", "what is subtracted covers all of `from`" + at, "move or shrink what is subtracted");
     if (shape.kind == ShapeKind::intersect)
         reject(shape, " is empty", "its shapes have nothing in common" + at, "move them until they overlap");
-    reject(shape, " does not meet the plane z = 0", "a plane scene sees only the cut of a shape at z = 0", "move it to z = 0");
+    reject(shape, " does not meet the plane z = 0", "a plane scene sees only the cut of a shape at z = 0",
+        "move it to z = 0");
 }
 
 bool is_infinite(const Bounds& box, int dimensions) {

@@ -34,7 +34,7 @@ public:
     bool inverted() const { return inverted_; }
     int dimensions() const { return dimensions_; }
     const std::vector<MeshReport>& meshes() const { return meshes_; } // that it is made of
-    const Surface& surface() const { return *surface_; } // of the shape before inversion
+    const Surface& surface() const { return *surface_; }              // of the shape before inversion
     // Moments of the shape before inversion, which must be of finite extent: exact for meshes in 3D; of joined
     // shapes the volume is within 5e-4, the inertia within 1e-3 of those of boxes, balls and cylinders without others.
     Moments moments() const;

@@ -12,36 +12,25 @@ namespace treacle::scene {
 
 const char* name_of(ShapeKind kind) {
     switch (kind) {
-    case ShapeKind::box:
-        return "box";
-    case ShapeKind::sphere:
-        return "sphere";
-    case ShapeKind::cylinder:
-        return "cylinder";
-    case ShapeKind::capsule:
-        return "capsule";
-    case ShapeKind::cone:
-        return "cone";
-    case ShapeKind::torus:
-        return "torus";
-    case ShapeKind::plane:
-        return "plane";
-    case ShapeKind::mesh:
-        return "mesh";
-    case ShapeKind::unite:
-        return "union";
-    case ShapeKind::intersect:
-        return "intersection";
-    case ShapeKind::subtract:
-        return "difference";
+    case ShapeKind::box: return "box";
+    case ShapeKind::sphere: return "sphere";
+    case ShapeKind::cylinder: return "cylinder";
+    case ShapeKind::capsule: return "capsule";
+    case ShapeKind::cone: return "cone";
+    case ShapeKind::torus: return "torus";
+    case ShapeKind::plane: return "plane";
+    case ShapeKind::mesh: return "mesh";
+    case ShapeKind::unite: return "union";
+    case ShapeKind::intersect: return "intersection";
+    case ShapeKind::subtract: return "difference";
     }
     return "shape";
 }
 
 namespace {
 
-[[noreturn]] void reject(const Shape& shape, const std::string& problem, const std::string& reason,
-                         const std::string& cure) {
+[[noreturn]] void reject(
+    const Shape& shape, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({shape.where, problem, reason, cure});
 }
 
@@ -54,7 +43,7 @@ std::string text(double value) {
 void require_positive(const Shape& shape, const char* key, double value) {
     if (value > 0 && std::isfinite(value)) return;
     reject(shape, std::string(name_of(shape.kind)) + "." + key + " = " + text(value) + ": must be > 0",
-           "a region has an extent", "give a length in metres or with its unit");
+        "a region has an extent", "give a length in metres or with its unit");
 }
 
 void require_finite(const Shape& shape, const char* key, const Vec3& value) {
@@ -65,7 +54,7 @@ void require_finite(const Shape& shape, const char* key, const Vec3& value) {
 void require_direction(const Shape& shape, const char* key, const Vec3& value) {
     if (is_finite(value) && length(value) > 0) return;
     reject(shape, std::string(name_of(shape.kind)) + "." + key + " has no direction",
-           "its three components are zero or not finite", "give a vector such as [0, 1, 0]");
+        "its three components are zero or not finite", "give a vector such as [0, 1, 0]");
 }
 
 Vec3 turned(const Shape& shape, const Vec3& v) {
@@ -87,9 +76,9 @@ SurfacePointer box_of(const Shape& shape, int dimensions, const Placement& place
     for (int a = 0; a < dimensions; ++a)
         if (!(shape.max[a] > shape.min[a]))
             reject(shape,
-                   std::string("box.max = ") + text(shape.max[a]) +
-                       " m is not above box.min = " + text(shape.min[a]) + " m along " + "xyz"[a],
-                   "a box has an extent along each axis", "exchange or correct the two corners");
+                std::string("box.max = ") + text(shape.max[a]) + " m is not above box.min = " + text(shape.min[a]) +
+                    " m along " + "xyz"[a],
+                "a box has an extent along each axis", "exchange or correct the two corners");
     BoxPose pose;
     pose.min = shape.min + shape.translation + placement.shift;
     pose.max = shape.max + shape.translation + placement.shift;
@@ -109,20 +98,14 @@ SurfacePointer ring_of(const SurfaceOfRevolution& body) {
     const double z = body.centre[2], up = body.axis[2] < 0 ? -1 : 1, half = 0.5 * body.height;
     double outer = body.radius, inner = 0;
     switch (body.profile) {
-    case Profile::sphere:
-        outer = std::sqrt(std::max(0.0, outer * outer - z * z));
-        break;
-    case Profile::cylinder:
-        outer = std::abs(z) < half ? outer : 0;
-        break;
+    case Profile::sphere: outer = std::sqrt(std::max(0.0, outer * outer - z * z)); break;
+    case Profile::cylinder: outer = std::abs(z) < half ? outer : 0; break;
     case Profile::capsule: {
         const double beyond = std::max(0.0, std::abs(z) - half);
         outer = std::sqrt(std::max(0.0, outer * outer - beyond * beyond));
         break;
     }
-    case Profile::cone:
-        outer = std::abs(z) < half ? outer * (half + up * z) / body.height : 0;
-        break;
+    case Profile::cone: outer = std::abs(z) < half ? outer * (half + up * z) / body.height : 0; break;
     case Profile::torus: {
         const double w = std::sqrt(std::max(0.0, body.tube * body.tube - z * z));
         inner = w > 0 ? body.radius - w : 0;
@@ -138,20 +121,11 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& pla
     require_positive(shape, "radius", shape.radius);
     SurfaceOfRevolution body;
     switch (shape.kind) {
-    case ShapeKind::cylinder:
-        body.profile = Profile::cylinder;
-        break;
-    case ShapeKind::capsule:
-        body.profile = Profile::capsule;
-        break;
-    case ShapeKind::cone:
-        body.profile = Profile::cone;
-        break;
-    case ShapeKind::torus:
-        body.profile = Profile::torus;
-        break;
-    default:
-        body.profile = Profile::sphere;
+    case ShapeKind::cylinder: body.profile = Profile::cylinder; break;
+    case ShapeKind::capsule: body.profile = Profile::capsule; break;
+    case ShapeKind::cone: body.profile = Profile::cone; break;
+    case ShapeKind::torus: body.profile = Profile::torus; break;
+    default: body.profile = Profile::sphere;
     }
     body.centre = placement.at(shape.centre + shape.translation);
     body.radius = shape.radius;
@@ -159,9 +133,9 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& pla
         require_positive(shape, "tube_radius", shape.tube_radius);
         if (shape.tube_radius >= shape.radius)
             reject(shape,
-                   "torus.tube_radius = " + text(shape.tube_radius) +
-                       " m: must be below torus.radius = " + text(shape.radius) + " m",
-                   "the tube would fill the hole", "lower the tube's radius");
+                "torus.tube_radius = " + text(shape.tube_radius) +
+                    " m: must be below torus.radius = " + text(shape.radius) + " m",
+                "the tube would fill the hole", "lower the tube's radius");
         body.tube = shape.tube_radius;
     } else if (body.profile != Profile::sphere) {
         require_positive(shape, "height", shape.height);
@@ -173,8 +147,7 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& pla
     }
     if (dimensions == 3) return make_revolved(body);
     constexpr double straight = 1e-12; // of a unit vector, after rotations
-    if (body.profile == Profile::sphere || std::hypot(body.axis[0], body.axis[1]) < straight)
-        return ring_of(body);
+    if (body.profile == Profile::sphere || std::hypot(body.axis[0], body.axis[1]) < straight) return ring_of(body);
     if (std::abs(body.axis[2]) < straight && body.centre[2] == 0) {
         body.axis = unit({body.axis[0], body.axis[1], 0});
         return make_outline(body);
@@ -190,8 +163,7 @@ SurfacePointer plane_of(const Shape& shape, int dimensions, const Placement& pla
     if (dimensions == 3) return make_plane(point, normal, 3);
     const Vec3 flat{normal[0], normal[1], 0};
     const double l = length(flat);
-    if (l < 1e-12)
-        reject(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
+    if (l < 1e-12) reject(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
     // The line where the plane meets z = 0.
     const Vec3 base{point[0], point[1], 0};
     return make_plane(base + (point[2] * normal[2] / (l * l)) * flat, (1 / l) * flat, 2);
@@ -232,7 +204,8 @@ SurfacePointer surface_of(const CheckedMesh& checked, int dimensions) {
 // Parts that overlap are joined; where some are cavities in others, the winding number determines the inside.
 void fill_overlapping(const CheckedMesh& checked, int dimensions, Solid& out) {
     auto parts = split(checked);
-    if (std::ranges::any_of(parts, [](const CheckedMesh& part) { return part.report.volume <= 0; }) || parts.size() == 1) {
+    if (std::ranges::any_of(parts, [](const CheckedMesh& part) { return part.report.volume <= 0; }) ||
+        parts.size() == 1) {
         out.surface = surface_of(checked, dimensions);
         out.crosses_itself = true;
         return;
@@ -259,8 +232,7 @@ void fill_mesh(const Shape& shape, int dimensions, const Placement& placement, S
 void require_valid(const Shape& shape) {
     require_finite(shape, "translation", shape.translation);
     if (shape.rotation_angle != 0) require_direction(shape, "rotation_axis", shape.rotation_axis);
-    if (!std::isfinite(shape.rotation_angle))
-        reject(shape, "the rotation angle is not finite", "", "give an angle");
+    if (!std::isfinite(shape.rotation_angle)) reject(shape, "the rotation angle is not finite", "", "give an angle");
 }
 
 SurfacePointer primitive_of(const Shape& shape, int dimensions, const Placement& placement) {
@@ -307,6 +279,8 @@ Solid solid_of(const Shape& shape, int dimensions, const Placement& placement, S
 
 } // namespace
 
-Solid make_solid(const Shape& shape, int dimensions, SolidNotes& notes) { return solid_of(shape, dimensions, {}, notes); }
+Solid make_solid(const Shape& shape, int dimensions, SolidNotes& notes) {
+    return solid_of(shape, dimensions, {}, notes);
+}
 
 } // namespace treacle::scene

@@ -46,8 +46,8 @@ std::optional<Vec3> project(const Surface& surface, const Vec3& x, double inset,
     return std::nullopt;
 }
 
-std::optional<InsetPoint> project_to_inset(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
-                              double spacing) {
+std::optional<InsetPoint> project_to_inset(
+    const Surface& surface, const Vec3& c, const Vec3& n, double inset, double spacing) {
     if (inset == 0) return InsetPoint{c, false};
     if (const double thickness = measure_thickness(surface, c, n, inset); thickness < 2 * std::abs(inset))
         return InsetPoint{c - std::copysign(0.5 * thickness, inset) * n, true};

@@ -41,7 +41,7 @@ struct BoxPose {
     Vec3 centre{0, 0, 0};
     Vec3 half{0, 0, 0};
     std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}; // of its edges, unit
-    bool turned = false;             // the axes are not those of space
+    bool turned = false;                                                   // the axes are not those of space
     Vec3 min{0, 0, 0}, max{0, 0, 0}; // the corners themselves, used when it is not turned
 };
 SurfacePointer make_box(const BoxPose& pose, int dimensions); // 2: a rectangle turned about z
@@ -80,8 +80,8 @@ struct InsetPoint {
 };
 // From the surface point c with outward normal n to the depth `inset`; nothing where the body has no such
 // depth although it is thick along the normal, as on the rim of a plate.
-std::optional<InsetPoint> project_to_inset(const Surface& surface, const Vec3& c, const Vec3& n, double inset,
-                              double spacing);
+std::optional<InsetPoint> project_to_inset(
+    const Surface& surface, const Vec3& c, const Vec3& n, double inset, double spacing);
 
 // The point at depth `inset` next to x, by Newton steps until the depth is right to the tolerance [m] before
 // the last one; or nothing where the body is thinner.

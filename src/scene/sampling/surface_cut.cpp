@@ -32,8 +32,7 @@ public:
             origin_[a] = box.min[a] - 2 * cell; // a ring of cells outside, so that contours close
             n_[a] = static_cast<std::int64_t>(std::ceil((box.max[a] - box.min[a]) / cell)) + 4;
         }
-        values_.assign(static_cast<std::size_t>((n_[0] + 1) * (n_[1] + 1)),
-                       std::numeric_limits<double>::quiet_NaN());
+        values_.assign(static_cast<std::size_t>((n_[0] + 1) * (n_[1] + 1)), std::numeric_limits<double>::quiet_NaN());
         for (std::int64_t j = 0; j < n_[1]; j += block)
             for (std::int64_t i = 0; i < n_[0]; i += block) march_block(i, j);
     }
@@ -94,9 +93,7 @@ private:
             add(out[o], into_side[0] == wanted ? into[0] : into[1]);
         }
     }
-    void add(const Crossing& from, const Crossing& to) {
-        pieces.push_back({{from.at, to.at}, from.edge, to.edge});
-    }
+    void add(const Crossing& from, const Crossing& to) { pieces.push_back({{from.at, to.at}, from.edge, to.edge}); }
 
     std::function<double(const Vec3&)> value_;
     double cell_;
@@ -196,12 +193,11 @@ public:
             box.min[a] -= std::abs(sampling.inset);
             box.max[a] += std::abs(sampling.inset);
         }
-        const Contour contour([&](const Vec3& x) { return nearest(x).distance + sampling.inset; }, box,
-                              d / layer_cells);
+        const Contour contour(
+            [&](const Vec3& x) { return nearest(x).distance + sampling.inset; }, box, d / layer_cells);
         PointGrid grid(d, 64);
         for (const auto& loop : chain(contour.pieces))
-            for (const Vec3& x : stations(loop, d))
-                grid.add(project(*this, x, sampling.inset, 1e-4 * d).value_or(x));
+            for (const Vec3& x : stations(loop, d)) grid.add(project(*this, x, sampling.inset, 1e-4 * d).value_or(x));
         SurfaceSamples result;
         cover_thin_parts(sampling, grid, result);
         result.positions = grid.points();
@@ -216,8 +212,7 @@ private:
         for (const Piece& p : pieces_) {
             const auto n = std::max<std::int64_t>(1, count_intervals(length(p.to - p.from), 0.25 * d));
             for (std::int64_t i = 0; i < n; ++i) {
-                const Vec3 c =
-                    p.from + ((static_cast<double>(i) + 0.5) / static_cast<double>(n)) * (p.to - p.from);
+                const Vec3 c = p.from + ((static_cast<double>(i) + 0.5) / static_cast<double>(n)) * (p.to - p.from);
                 if (grid.any_within(c - sampling.inset * outward(p), 0.6 * d)) continue;
                 const auto s = project_to_inset(*this, c, outward(p), sampling.inset, d);
                 if (!s || grid.any_within(s->point, 0.7 * d)) continue;
@@ -254,8 +249,7 @@ std::vector<Piece> slice(const TriangleMesh& mesh) {
         for (int c = 0; c < 3; ++c)
             if (above(t[c]) != above(t[(c + 1) % 3])) ends.push_back(crossing(t[c], t[(c + 1) % 3]));
         if (ends.size() != 2) continue;
-        const Vec3 n =
-            cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+        const Vec3 n = cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
         const Vec3 inside_left{-n[1], n[0], 0};
         Piece piece{ends[0], ends[1]};
         if (dot(inside_left, piece.to - piece.from) < 0) std::swap(piece.from, piece.to);

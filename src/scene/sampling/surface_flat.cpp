@@ -93,11 +93,9 @@ private:
         const Vec3 r = x - centre_;
         return {dot(r, axes_[0]), dot(r, axes_[1]), dot(r, axes_[2])};
     }
-    Vec3 turn(const Vec3& v) const {
-        return turned_ ? v[0] * axes_[0] + v[1] * axes_[1] + v[2] * axes_[2] : v;
-    }
-    void add_node(const std::array<std::int64_t, 3>& index, const std::array<std::int64_t, 3>& n,
-                  const Vec3& low, const Vec3& high, SurfaceSamples& result) const {
+    Vec3 turn(const Vec3& v) const { return turned_ ? v[0] * axes_[0] + v[1] * axes_[1] + v[2] * axes_[2] : v; }
+    void add_node(const std::array<std::int64_t, 3>& index, const std::array<std::int64_t, 3>& n, const Vec3& low,
+        const Vec3& high, SurfaceSamples& result) const {
         Vec3 p{0, 0, 0}, normal{0, 0, 0}, flat{0, 0, 0};
         for (int a = 0; a < dimensions_; ++a) {
             const double share = n[a] == 0 ? 0 : static_cast<double>(index[a]) / static_cast<double>(n[a]);
@@ -136,8 +134,8 @@ public:
         const Bounds& clip = sampling.clip;
         for (int a = 0; a < dimensions_; ++a)
             if (!std::isfinite(clip.min[a]) || !std::isfinite(clip.max[a]))
-                throw InputError({"", "a plane cannot be covered with particles without an end",
-                                  "it is infinite", "bound it by the domain"});
+                throw InputError({"", "a plane cannot be covered with particles without an end", "it is infinite",
+                    "bound it by the domain"});
         const Vec3 t = dimensions_ == 2 ? Vec3{-normal_[1], normal_[0], 0} : in_plane_axis();
         const Vec3 u = dimensions_ == 2 ? Vec3{0, 0, 0} : cross(normal_, t);
         Vec3 corner = clip.min;
@@ -146,22 +144,21 @@ public:
         std::array<double, 4> extent{0, 0, 0, 0}; // of the clip along t and u, from the origin
         for (int c = 0; c < 8; ++c) {
             Vec3 x{c & 1 ? clip.max[0] : clip.min[0], c & 2 ? clip.max[1] : clip.min[1],
-                   c & 4 ? clip.max[2] : clip.min[2]};
+                c & 4 ? clip.max[2] : clip.min[2]};
             if (dimensions_ == 2) x[2] = 0;
             const double along_t = dot(x - origin, t), along_u = dot(x - origin, u);
-            extent = {std::min(extent[0], along_t), std::max(extent[1], along_t),
-                      std::min(extent[2], along_u), std::max(extent[3], along_u)};
+            extent = {std::min(extent[0], along_t), std::max(extent[1], along_t), std::min(extent[2], along_u),
+                std::max(extent[3], along_u)};
         }
         const double d = sampling.spacing;
         const auto index = [&](double x) { return static_cast<std::int64_t>(std::floor(x / d)); };
         SurfaceSamples result;
         for (auto j = index(extent[2]); j <= index(extent[3]); ++j)
             for (auto i = index(extent[0]); i <= index(extent[1]); ++i) {
-                const Vec3 x = origin + ((static_cast<double>(i) + 0.5) * d) * t +
-                               ((static_cast<double>(j) + 0.5) * d) * u;
+                const Vec3 x =
+                    origin + ((static_cast<double>(i) + 0.5) * d) * t + ((static_cast<double>(j) + 0.5) * d) * u;
                 bool inside = true;
-                for (int a = 0; a < dimensions_; ++a)
-                    inside = inside && clip.min[a] <= x[a] && x[a] <= clip.max[a];
+                for (int a = 0; a < dimensions_; ++a) inside = inside && clip.min[a] <= x[a] && x[a] <= clip.max[a];
                 if (!inside) continue;
                 result.positions.push_back(x);
                 result.normals.push_back(normal_);
@@ -186,9 +183,7 @@ private:
 
 } // namespace
 
-SurfacePointer make_box(const BoxPose& pose, int dimensions) {
-    return std::make_shared<Box>(pose, dimensions);
-}
+SurfacePointer make_box(const BoxPose& pose, int dimensions) { return std::make_shared<Box>(pose, dimensions); }
 
 SurfacePointer make_plane(const Vec3& point, const Vec3& normal, int dimensions) {
     return std::make_shared<Plane>(point, normal, dimensions);

@@ -1,6 +1,6 @@
 // Unions, intersections and differences.
-#include "scene/sampling/poisson_disk_layer.hpp"
 #include "scene/sampling/joined_fold.hpp"
+#include "scene/sampling/poisson_disk_layer.hpp"
 #include "scene/shapes/triangle_bvh.hpp"
 #include "scene/shapes/vector_math.hpp"
 
@@ -12,10 +12,10 @@ namespace treacle::scene {
 namespace {
 
 constexpr int cells_3d = 48, cells_2d = 512; // points of the surface along its longest edge
-constexpr double most_points = 2e4;           // of one part
-constexpr double finer = 3.5;                 // candidates of a layer per spacing, along each axis
+constexpr double most_points = 2e4;          // of one part
+constexpr double finer = 3.5;                // candidates of a layer per spacing, along each axis
 constexpr int newton_steps = 20;
-constexpr int slides = 12; // along the surface to where it is nearest, at most
+constexpr int slides = 12;     // along the surface to where it is nearest, at most
 constexpr double sharp = 0.94; // cosine between the faces of a part's own edge, at most
 constexpr int no_other = -1, own = -2;
 constexpr double parallel = 1e-4; // sine between two faces that have no edge
@@ -86,15 +86,17 @@ public:
     SurfaceSamples sample(const SurfaceSampling& sampling) const override {
         const double d = sampling.spacing;
         std::vector<Vec3> candidates, fixed, stuck;
-        visit_faces([&](const Surface&) { return d / finer; }, sampling.clip, d + std::abs(sampling.inset), [&](const Mark& mark) {
-            add_edges(mark, sampling, fixed);
-            if (sampling.inset == 0 && ended_ && on_own_edge(mark)) fixed.push_back(mark.x);
-            if (!on_surface(mark.leaf, mark.x, mark.normal)) return;
-            if (const auto s = lower(mark, sampling)) (s->thin ? stuck : candidates).push_back(s->point);
-        });
+        visit_faces([&](const Surface&) { return d / finer; }, sampling.clip, d + std::abs(sampling.inset),
+            [&](const Mark& mark) {
+                add_edges(mark, sampling, fixed);
+                if (sampling.inset == 0 && ended_ && on_own_edge(mark)) fixed.push_back(mark.x);
+                if (!on_surface(mark.leaf, mark.x, mark.normal)) return;
+                if (const auto s = lower(mark, sampling)) (s->thin ? stuck : candidates).push_back(s->point);
+            });
         const std::size_t edges = fixed.size();
         fixed.insert(fixed.end(), stuck.begin(), stuck.end());
-        PoissonDiskLayer layer(d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
+        PoissonDiskLayer layer(
+            d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
         layer.choose(candidates, fixed);
         layer.relax();
         layer.fill(fixed);
@@ -149,7 +151,9 @@ private:
         reach_ = 3 * gap_;
         const auto spacing_of = [&](const Surface& surface) {
             const double area = surface.area();
-            const double least = !std::isfinite(area) ? 0 : dimensions_ == 2 ? area / most_points : std::sqrt(area / most_points);
+            const double least = !std::isfinite(area) ? 0
+                                 : dimensions_ == 2   ? area / most_points
+                                                      : std::sqrt(area / most_points);
             reach_ = std::max(reach_, 3 * least);
             return std::max(gap_, least);
         };
@@ -248,9 +252,10 @@ private:
 
     void add_edges(const Mark& mark, const SurfaceSampling& sampling, std::vector<Vec3>& out) const {
         const double tolerance = 1e-3 * sampling.spacing;
-        for_edges(mark, 1.5 * sampling.spacing / finer + 2 * std::abs(sampling.inset), sampling.inset, [&](const Mark& edge) {
-            if (std::abs(nearest(edge.x).distance + sampling.inset) < tolerance) out.push_back(edge.x);
-        });
+        for_edges(
+            mark, 1.5 * sampling.spacing / finer + 2 * std::abs(sampling.inset), sampling.inset, [&](const Mark& edge) {
+                if (std::abs(nearest(edge.x).distance + sampling.inset) < tolerance) out.push_back(edge.x);
+            });
     }
 
     // From a point of the whole's surface to the depth of the layer.
@@ -280,7 +285,8 @@ private:
         if (mark.other == own) return slide_on_own_edge(mark, x);
         Vec3 y = mark.x;
         for (int step = 0; step < slides; ++step) {
-            const Vec3 along = unit(cross(surface_of(mark.leaf).nearest(y).normal, surface_of(mark.other).nearest(y).normal));
+            const Vec3 along =
+                unit(cross(surface_of(mark.leaf).nearest(y).normal, surface_of(mark.other).nearest(y).normal));
             const auto next = corner(mark.leaf, mark.other, 0, 0, y + dot(x - y, along) * along);
             if (!next) return std::nullopt;
             const double moved = length(*next - y);
@@ -341,7 +347,7 @@ private:
     int dimensions_;
     Bounds bounds_;
     bool ended_ = false, nowhere_ = false;
-    double reach_ = 0; // [m] of a slide
+    double reach_ = 0;                     // [m] of a slide
     double size_ = 0, gap_ = 0, area_ = 0; // [m], [m], [m2]
     Marks faces_{{}}, edges_{{}};
 };

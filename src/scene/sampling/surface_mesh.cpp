@@ -89,13 +89,12 @@ private:
         return project_to_inset(*this, c, n, sampling.inset, sampling.spacing);
     }
 
-    static std::size_t count_thin(const std::vector<Vec3>& samples, const std::vector<Vec3>& stuck,
-                                  const SurfaceSampling& sampling) {
+    static std::size_t count_thin(
+        const std::vector<Vec3>& samples, const std::vector<Vec3>& stuck, const SurfaceSampling& sampling) {
         PointGrid grid(sampling.spacing, stuck.size());
         for (const Vec3& x : stuck) grid.add(x);
-        return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(), [&](const Vec3& x) {
-            return grid.any_within(x, 1e-9 * sampling.spacing);
-        }));
+        return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(),
+            [&](const Vec3& x) { return grid.any_within(x, 1e-9 * sampling.spacing); }));
     }
 
     // Visits points spread over all triangles by a low-discrepancy sequence (R2, Roberts 2018).

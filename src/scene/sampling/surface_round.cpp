@@ -80,8 +80,7 @@ public:
     void arc(Point2 centre, double radius, double from, double to) {
         const auto n = count_intervals(radius * std::abs(to - from), spacing_);
         for (std::int64_t i = 0; i <= n; ++i) {
-            const double angle =
-                n == 0 ? from : from + (to - from) * static_cast<double>(i) / static_cast<double>(n);
+            const double angle = n == 0 ? from : from + (to - from) * static_cast<double>(i) / static_cast<double>(n);
             const double c = std::cos(angle), s = std::sin(angle);
             add({{std::max(0.0, centre.r + radius * c), centre.h + radius * s}, {c, s}});
         }
@@ -127,18 +126,10 @@ public:
             const double half = 0.5 * body_.height * along, disc = body_.radius * across;
             double low = 0, high = 0;
             switch (body_.profile) {
-            case Profile::sphere:
-                low = high = body_.radius;
-                break;
-            case Profile::cylinder:
-                low = high = half + disc;
-                break;
-            case Profile::capsule:
-                low = high = half + body_.radius;
-                break;
-            case Profile::torus:
-                low = high = disc + body_.tube;
-                break;
+            case Profile::sphere: low = high = body_.radius; break;
+            case Profile::cylinder: low = high = half + disc; break;
+            case Profile::capsule: low = high = half + body_.radius; break;
+            case Profile::torus: low = high = disc + body_.tube; break;
             case Profile::cone: {
                 const double apex = 0.5 * body_.height * body_.axis[a];
                 low = -std::min(-apex - disc, apex);
@@ -154,16 +145,11 @@ public:
     double volume() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere:
-            return 4 * pi / 3 * r * r * r;
-        case Profile::cylinder:
-            return pi * r * r * h;
-        case Profile::capsule:
-            return pi * r * r * (h + 4 * r / 3);
-        case Profile::cone:
-            return pi * r * r * h / 3;
-        case Profile::torus:
-            return 2 * pi * pi * r * t * t;
+        case Profile::sphere: return 4 * pi / 3 * r * r * r;
+        case Profile::cylinder: return pi * r * r * h;
+        case Profile::capsule: return pi * r * r * (h + 4 * r / 3);
+        case Profile::cone: return pi * r * r * h / 3;
+        case Profile::torus: return 2 * pi * pi * r * t * t;
         }
         return 0;
     }
@@ -171,16 +157,11 @@ public:
     double area() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere:
-            return 4 * pi * r * r;
-        case Profile::cylinder:
-            return 2 * pi * r * (r + h);
-        case Profile::capsule:
-            return 2 * pi * r * (h + 2 * r);
-        case Profile::cone:
-            return pi * r * (r + std::hypot(r, h));
-        case Profile::torus:
-            return 4 * pi * pi * r * t;
+        case Profile::sphere: return 4 * pi * r * r;
+        case Profile::cylinder: return 2 * pi * r * (r + h);
+        case Profile::capsule: return 2 * pi * r * (h + 2 * r);
+        case Profile::cone: return pi * r * (r + std::hypot(r, h));
+        case Profile::torus: return 4 * pi * pi * r * t;
         }
         return 0;
     }
@@ -191,9 +172,8 @@ public:
         const double depth = std::min(sampling.inset, largest_depth());
         if (sharp || depth < sampling.inset) return rings(sampling.spacing, sampling.inset);
         const auto candidates = rings(0.25 * sampling.spacing, sampling.inset).positions;
-        PoissonDiskLayer layer(sampling.spacing, [&](const Vec3& x, double tolerance) {
-            return project(*this, x, sampling.inset, tolerance);
-        });
+        PoissonDiskLayer layer(sampling.spacing,
+            [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
         layer.choose(candidates);
         layer.relax();
         layer.fill(candidates);
@@ -211,14 +191,10 @@ protected:
         const double r = body_.radius, h = body_.height;
         switch (body_.profile) {
         case Profile::sphere:
-        case Profile::capsule:
-            return r;
-        case Profile::cylinder:
-            return std::min(r, 0.5 * h);
-        case Profile::cone:
-            return r * h / (r + std::hypot(r, h));
-        case Profile::torus:
-            return body_.tube;
+        case Profile::capsule: return r;
+        case Profile::cylinder: return std::min(r, 0.5 * h);
+        case Profile::cone: return r * h / (r + std::hypot(r, h));
+        case Profile::torus: return body_.tube;
         }
         return 0;
     }
@@ -228,9 +204,7 @@ protected:
         Walk walk(spacing);
         const double r = std::max(0.0, body_.radius - inset), b = 0.5 * body_.height;
         switch (body_.profile) {
-        case Profile::sphere:
-            walk.arc({0, 0}, r, -0.5 * pi, 0.5 * pi);
-            break;
+        case Profile::sphere: walk.arc({0, 0}, r, -0.5 * pi, 0.5 * pi); break;
         case Profile::capsule:
             walk.arc({0, -b}, r, -0.5 * pi, 0);
             walk.line({r, -b}, {r, b});
@@ -280,8 +254,7 @@ protected:
                 continue;
             }
             for (std::int64_t i = 0; i < n; ++i) {
-                const double angle =
-                    2 * pi * (static_cast<double>(i) + (staggered ? 0.5 : 0)) / static_cast<double>(n);
+                const double angle = 2 * pi * (static_cast<double>(i) + (staggered ? 0.5 : 0)) / static_cast<double>(n);
                 add(s, std::cos(angle) * side_ + std::sin(angle) * other, result);
             }
             staggered = !staggered;
@@ -293,16 +266,11 @@ protected:
     Nearest2 nearest_profile(Point2 p) const {
         const double r = body_.radius, b = 0.5 * body_.height;
         switch (body_.profile) {
-        case Profile::sphere:
-            return from_circle(p, {0, 0}, r);
-        case Profile::cylinder:
-            return from_cylinder(p, r, b);
-        case Profile::capsule:
-            return from_circle(p, {0, std::clamp(p.h, -b, b)}, r);
-        case Profile::cone:
-            return from_cone(p, r, b);
-        case Profile::torus:
-            return from_circle(p, {r, 0}, body_.tube);
+        case Profile::sphere: return from_circle(p, {0, 0}, r);
+        case Profile::cylinder: return from_cylinder(p, r, b);
+        case Profile::capsule: return from_circle(p, {0, std::clamp(p.h, -b, b)}, r);
+        case Profile::cone: return from_cone(p, r, b);
+        case Profile::torus: return from_circle(p, {r, 0}, body_.tube);
         }
         return {};
     }
@@ -319,16 +287,11 @@ public:
     double volume() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere:
-            return pi * r * r;
-        case Profile::cylinder:
-            return 2 * r * h;
-        case Profile::capsule:
-            return 2 * r * h + pi * r * r;
-        case Profile::cone:
-            return r * h;
-        case Profile::torus:
-            return 2 * pi * t * t;
+        case Profile::sphere: return pi * r * r;
+        case Profile::cylinder: return 2 * r * h;
+        case Profile::capsule: return 2 * r * h + pi * r * r;
+        case Profile::cone: return r * h;
+        case Profile::torus: return 2 * pi * t * t;
         }
         return 0;
     }
@@ -336,16 +299,11 @@ public:
     double area() const override {
         const double r = body_.radius, h = body_.height, t = body_.tube;
         switch (body_.profile) {
-        case Profile::sphere:
-            return 2 * pi * r;
-        case Profile::cylinder:
-            return 4 * r + 2 * h;
-        case Profile::capsule:
-            return 2 * h + 2 * pi * r;
-        case Profile::cone:
-            return 2 * r + 2 * std::hypot(r, h);
-        case Profile::torus:
-            return 4 * pi * t;
+        case Profile::sphere: return 2 * pi * r;
+        case Profile::cylinder: return 4 * r + 2 * h;
+        case Profile::capsule: return 2 * h + 2 * pi * r;
+        case Profile::cone: return 2 * r + 2 * std::hypot(r, h);
+        case Profile::torus: return 4 * pi * t;
         }
         return 0;
     }
@@ -363,7 +321,9 @@ public:
         if (sampling.inset > largest_depth()) result.thin = result.positions.size();
         return result;
     }
-    SurfaceSamples scatter(const SurfaceSampling& sampling) const override { return sample({sampling.spacing, 0, sampling.clip}); }
+    SurfaceSamples scatter(const SurfaceSampling& sampling) const override {
+        return sample({sampling.spacing, 0, sampling.clip});
+    }
 };
 
 } // namespace

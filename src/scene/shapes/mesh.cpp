@@ -36,8 +36,7 @@ void weld(TriangleMesh& mesh, MeshReport& report) {
     const double bin = std::max(1e3 * tolerance, 1e-300);
     const auto hash = [](std::int64_t i, std::int64_t j, std::int64_t k) {
         std::uint64_t h = 0;
-        for (const std::int64_t v : {i, j, k})
-            h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ull;
+        for (const std::int64_t v : {i, j, k}) h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ull;
         return h;
     };
     const auto index = [&](double x, int a) {
@@ -67,9 +66,8 @@ void weld(TriangleMesh& mesh, MeshReport& report) {
     mesh.vertices = std::move(kept);
     for (auto& triangle : mesh.triangles)
         for (int& v : triangle) v = renumbered[v];
-    report.degenerate = std::erase_if(mesh.triangles, [](const std::array<int, 3>& t) {
-        return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-    });
+    report.degenerate = std::erase_if(
+        mesh.triangles, [](const std::array<int, 3>& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
 struct Edge {
@@ -188,8 +186,7 @@ Integrals integrate(const TriangleMesh& mesh, const Bounds& bounds) {
     const Vec3 origin = 0.5 * (bounds.min + bounds.max);
     Integrals out;
     for (const auto& t : mesh.triangles) {
-        const Vec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin,
-                   c = mesh.vertices[t[2]] - origin;
+        const Vec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin, c = mesh.vertices[t[2]] - origin;
         out.volume += dot(a, cross(b, c)) / 6;
         out.area += 0.5 * length(cross(b - a, c - a));
     }
@@ -210,7 +207,8 @@ void measure(TriangleMesh& mesh, MeshReport& report) {
 // what the mesh bounds.
 void find_buried(const TriangleMesh& mesh, MeshReport& report) {
     std::vector<Triangle> corners;
-    for (const auto& t : mesh.triangles) corners.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    for (const auto& t : mesh.triangles)
+        corners.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
     const TriangleBvh tree(corners);
     const double off = 1e-6 * length(report.bounds.max - report.bounds.min);
     double before = 0, buried = 0, inwards = 0;
@@ -224,8 +222,10 @@ void find_buried(const TriangleMesh& mesh, MeshReport& report) {
             if (u + v > 1) u = 1 - u, v = 1 - v;
             const Vec3 x = t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]);
             const double above = tree.winding(x + off * unit(normal)), below = tree.winding(x - off * unit(normal));
-            if (above < -0.5) inwards += 1;
-            else if (above > 0.5 || below > 1.5) buried += 1;
+            if (above < -0.5)
+                inwards += 1;
+            else if (above > 0.5 || below > 1.5)
+                buried += 1;
         }
         before = after;
     }
@@ -276,11 +276,9 @@ std::vector<std::string> MeshReport::notes() const {
     std::vector<std::string> result;
     if (welded > 0) result.push_back(std::to_string(welded) + " vertices merged with equal ones");
     if (degenerate > 0) result.push_back(std::to_string(degenerate) + " triangles without area left out");
-    if (turned > 0)
-        result.push_back(std::to_string(turned) + " triangles turned round to agree with their neighbours");
+    if (turned > 0) result.push_back(std::to_string(turned) + " triangles turned round to agree with their neighbours");
     if (inside_out) result.push_back("all triangles faced inwards and were turned round");
-    if (shared_edges > 0)
-        result.push_back(std::to_string(shared_edges) + " edges belong to more than two triangles");
+    if (shared_edges > 0) result.push_back(std::to_string(shared_edges) + " edges belong to more than two triangles");
     if (separate_volume > 0)
         result.push_back("its parts overlap: volume and mass are those of their union; one by one they have " +
                          text_of(separate_volume) + " m3");

@@ -34,7 +34,7 @@ struct MeshReport {
     double buried = 0;            // share of the area that lies inside of other parts
     double inwards = 0;           // share of the area that faces inwards, outside of all other parts
     double area = 0;              // [m2]
-    double thickness_p01 = 0;          // [m] 1 % of the area (of rays from it, inwards) is thinner than this
+    double thickness_p01 = 0;     // [m] 1 % of the area (of rays from it, inwards) is thinner than this
     bool closed() const { return open_edges == 0; }
     // Beyond the creases of scans, which are of no volume.
     bool overlaps() const { return buried > 2e-3; }

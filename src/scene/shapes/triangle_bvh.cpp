@@ -45,9 +45,7 @@ std::array<double, 3> closest_weights(const Triangle& t, const Vec3& x) {
     return {va / sum, vb / sum, vc / sum};
 }
 
-Vec3 combine(const Triangle& t, const std::array<double, 3>& w) {
-    return w[0] * t[0] + w[1] * t[1] + w[2] * t[2];
-}
+Vec3 combine(const Triangle& t, const std::array<double, 3>& w) { return w[0] * t[0] + w[1] * t[1] + w[2] * t[2]; }
 
 // Solid angle / 4 pi (van Oosterom and Strackee 1983).
 double triangle_winding(const Triangle& t, const Vec3& x) {
@@ -194,8 +192,7 @@ double TriangleBvh::winding(const Vec3& x) const {
         if (squared > range * range) {
             sum += dot(gap, node.area_normal) / (4 * std::numbers::pi * squared * std::sqrt(squared));
         } else if (node.count > 0) {
-            for (int i = node.first; i < node.first + node.count; ++i)
-                sum += triangle_winding(triangles_[i], x);
+            for (int i = node.first; i < node.first + node.count; ++i) sum += triangle_winding(triangles_[i], x);
         } else {
             stack[depth++] = node.first;
             stack[depth++] = node.first + 1;

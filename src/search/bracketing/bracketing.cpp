@@ -8,7 +8,7 @@ namespace treacle::search {
 namespace {
 constexpr double growth = 1.618033988749895; // of a step downhill over the one before
 constexpr int most_steps_downhill = 40;      // 1e8 steps
-constexpr double local = 16; // tolerances: the residuals' curve through points as near as this is right
+constexpr double local = 16;                 // tolerances: the residuals' curve through points as near as this is right
 
 bool by_place(const Sample& a, const Sample& b) { return a.x < b.x; }
 } // namespace
@@ -112,7 +112,8 @@ Task<void> Bracketing::refine() {
         const auto vertex = curve_vertex();
         const bool there = vertex && std::abs(*vertex - brent_->best().x) <= axes()[0].smallest();
         if (there && led_ && curve_.nearest(brent_->best().x) <= local * axes()[0].smallest()) break;
-        const bool use = vertex && *vertex > brent_->lower() && *vertex < brent_->upper() && *vertex != brent_->best().x;
+        const bool use =
+            vertex && *vertex > brent_->lower() && *vertex < brent_->upper() && *vertex != brent_->best().x;
         const double before = brent_->best().x, next = use ? *vertex : brent_->next();
         std::vector<Point> points;
         points.push_back({next});
@@ -131,7 +132,7 @@ void Bracketing::say_converged() {
     for (const auto& [bound, word] : {std::pair(axis.lower, "lower"), std::pair(axis.upper, "upper")})
         if (std::abs(x - bound) <= axis.smallest())
             return end(StopKind::converged, "bound",
-                       std::string("the least value is at the ") + word + " bound: the answer may lie beyond");
+                std::string("the least value is at the ") + word + " bound: the answer may lie beyond");
     end(StopKind::converged, "tolx", "the least value is between neighbours within the tolerance");
 }
 

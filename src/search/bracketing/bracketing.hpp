@@ -36,7 +36,7 @@ private:
     void say_converged();
 
     std::vector<Sample> samples_; // in the order of x
-    std::optional<Brent> brent_; // once there is a bracket
+    std::optional<Brent> brent_;  // once there is a bracket
     std::vector<std::vector<double>> told_;
     ResidualCurve curve_;
     bool downhill_ = true; // the curve's last point was better than all before

@@ -10,12 +10,13 @@ constexpr double golden = 0.3819660112501051; // (3 - sqrt 5) / 2
 
 struct Line {
     double x, f, slope;
-    Line(const Sample& a, const Sample& b)
-        : x(a.x), f(a.f.value()), slope((b.f.value() - a.f.value()) / (b.x - a.x)) {}
+    Line(const Sample& a, const Sample& b) : x(a.x), f(a.f.value()), slope((b.f.value() - a.f.value()) / (b.x - a.x)) {}
     double at(double u) const { return f + slope * (u - x); }
 };
 
-double meeting(const Line& a, const Line& b) { return (b.f - b.slope * b.x - a.f + a.slope * a.x) / (a.slope - b.slope); }
+double meeting(const Line& a, const Line& b) {
+    return (b.f - b.slope * b.x - a.f + a.slope * a.x) / (a.slope - b.slope);
+}
 } // namespace
 
 Brent::Brent(std::vector<Sample> samples, double tolerance, double origin)

@@ -140,9 +140,7 @@ void CmaEs::keep_run() {
 }
 
 // The run with the best value, be it the present one.
-const CmaState& CmaEs::reported() const {
-    return best_run_ && best()->value >= best_before_ ? *best_run_ : state_;
-}
+const CmaState& CmaEs::reported() const { return best_run_ && best()->value >= best_before_ ? *best_run_ : state_; }
 
 Point CmaEs::centre() const { return clamped(seen(reported().mean())); }
 

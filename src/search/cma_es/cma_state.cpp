@@ -27,8 +27,8 @@ void weigh(CmaConstants& c, std::span<const double> raw, bool active) {
     for (std::size_t i = 0; i < c.mu; ++i) c.weights[i] = raw[i] / positive;
     if (!active || c.c_mu == 0 || negative == 0) return;
     const double mu_eff_negative = effective(raw.subspan(c.mu));
-    const double total = std::min({1 + c.c_1 / c.c_mu, 1 + 2 * mu_eff_negative / (c.mu_eff + 2),
-                                   (1 - c.c_1 - c.c_mu) / (n * c.c_mu)});
+    const double total =
+        std::min({1 + c.c_1 / c.c_mu, 1 + 2 * mu_eff_negative / (c.mu_eff + 2), (1 - c.c_1 - c.c_mu) / (n * c.c_mu)});
     for (std::size_t i = c.mu; i < c.lambda; ++i) c.weights[i] = total * raw[i] / negative;
 }
 } // namespace
@@ -52,8 +52,7 @@ CmaConstants CmaConstants::standard(std::size_t dimensions, std::size_t populati
     c.c_c = (4 + c.mu_eff / n) / (n + 4 + 2 * c.mu_eff / n);
     if (c.n > 1) { // in one dimension C repeats what sigma is
         c.c_1 = 2 * std::min(1.0, lambda / 6) / (square(n + 1.3) + c.mu_eff);
-        c.c_mu = std::min(1 - c.c_1,
-                          2 * (0.25 + c.mu_eff + 1 / c.mu_eff - 2) / (square(n + 2) + c.mu_eff));
+        c.c_mu = std::min(1 - c.c_1, 2 * (0.25 + c.mu_eff + 1 / c.mu_eff - 2) / (square(n + 2) + c.mu_eff));
     }
     c.chi = c.n == 1 ? std::sqrt(2 / std::acos(-1.0)) : std::sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n * n));
     weigh(c, raw, active);
@@ -62,8 +61,7 @@ CmaConstants CmaConstants::standard(std::size_t dimensions, std::size_t populati
 
 CmaState::CmaState(std::vector<double> mean, double sigma, CmaConstants constants)
     : constants_(std::move(constants)), mean_(std::move(mean)), sigma_(sigma), path_sigma_(mean_.size(), 0.0),
-      path_c_(mean_.size(), 0.0), covariance_(Matrix::identity(mean_.size())),
-      eigen_(symmetric_eigen(covariance_)) {}
+      path_c_(mean_.size(), 0.0), covariance_(Matrix::identity(mean_.size())), eigen_(symmetric_eigen(covariance_)) {}
 
 double CmaState::deviation(std::size_t i) const { return sigma_ * std::sqrt(covariance_(i, i)); }
 
@@ -109,8 +107,8 @@ void CmaState::update(const std::vector<std::vector<double>>& ranked, std::size_
     for (auto& step : steps)
         for (std::size_t i = 0; i < step.size(); ++i) step[i] = (step[i] - before[i]) / sigma_;
     ++updates_;
-    update_step_size(move);          // (C4), (C5)
-    update_covariance(steps, move);  // (C6)-(C9)
+    update_step_size(move);         // (C4), (C5)
+    update_covariance(steps, move); // (C6)-(C9)
     eigen_ = symmetric_eigen(covariance_);
 }
 
@@ -119,9 +117,9 @@ void CmaState::update_step_size(const std::vector<double>& move) {
     const auto white = whitened(move);
     const double share = std::sqrt(c.c_sigma * (2 - c.c_sigma) * c.mu_eff);
     for (std::size_t i = 0; i < white.size(); ++i)
-        path_sigma_[i] = (1 - c.c_sigma) * path_sigma_[i] + share * white[i];             // (C4)
+        path_sigma_[i] = (1 - c.c_sigma) * path_sigma_[i] + share * white[i]; // (C4)
     const double change = c.c_sigma / c.d_sigma * (norm(path_sigma_) / c.chi - 1);
-    sigma_ *= std::exp(std::min(1.0, change));                                            // (C5)
+    sigma_ *= std::exp(std::min(1.0, change)); // (C5)
 }
 
 // (C6) h_sigma: a path that grows fast must not stretch C as well.

@@ -51,22 +51,23 @@ void CmaStops::remember(std::span<const Value> values) {
     std::sort(sorted.begin(), sorted.end());
     best_.push_back(sorted.front());
     median_.push_back(sorted[sorted.size() / 2]);
-    last_range_ = sorted.size() == values.size() ? sorted.back() - sorted.front()
-                                                 : std::numeric_limits<double>::infinity();
+    last_range_ =
+        sorted.size() == values.size() ? sorted.back() - sorted.front() : std::numeric_limits<double>::infinity();
 }
 
 std::optional<Stop> CmaStops::of_coordinates(const CmaState& state) const {
     bool small = true;
     for (std::size_t i = 0; i < coordinates_.size(); ++i)
         small = small && state.deviation(i) < coordinates_[i] && std::abs(state.path(i)) < coordinates_[i];
-    if (small) return Stop{StopKind::converged, "tolx", "the spread of candidates is below the tolerance on every axis"};
+    if (small)
+        return Stop{StopKind::converged, "tolx", "the spread of candidates is below the tolerance on every axis"};
     const auto& lengths = state.axes().values;
     if (!(lengths.front() > 0) || lengths.back() > tolerances_.condition * lengths.front())
         return Stop{StopKind::stalled, "condition", "the candidates' covariance has become too elongated"};
     if (largest_deviation(state) > tolerances_.growth)
         return Stop{StopKind::stalled, "growth",
-                    "the spread of candidates has grown without bound: the steps at the start were far too small, or "
-                    "the objective falls for ever"};
+            "the spread of candidates has grown without bound: the steps at the start were far too small, or "
+            "the objective falls for ever"};
     if (axis_has_no_effect(state))
         return Stop{StopKind::stalled, "noeffectaxis", "a tenth of the spread along an axis is below round-off"};
     if (coordinate_has_no_effect(state))
@@ -81,11 +82,11 @@ std::optional<Stop> CmaStops::of_values(const CmaState& state) const {
     const double recent = range(std::span(best_).last(generations));
     if (recent < tolerances_.value_history)
         return Stop{StopKind::converged, "tolfunhist",
-                    "the best values of the last " + std::to_string(generations) + " generations are the same"};
+            "the best values of the last " + std::to_string(generations) + " generations are the same"};
     if (std::max(recent, last_range_) < tolerances_.value)
         return Stop{StopKind::converged, "tolfun",
-                    "the values of the last generation and the best ones of the last " + std::to_string(generations) +
-                        " differ by less than the tolerance"};
+            "the values of the last generation and the best ones of the last " + std::to_string(generations) +
+                " differ by less than the tolerance"};
     if (stagnates(state))
         return Stop{StopKind::stalled, "stagnation", "neither best nor median values have fallen for a long while"};
     return std::nullopt;

@@ -8,15 +8,15 @@ namespace treacle::search {
 namespace {
 constexpr double enough_agreement = 0.85; // Kendall's tau
 constexpr std::size_t least_values = 4;   // before the model is used
-}                                         // namespace
+} // namespace
 
 LqCmaEs::LqCmaEs(std::vector<Axis> axes, CmaOptions options)
     : CmaEs(std::move(axes), options), model_(dimensions(), state().constants().lambda) {}
 
 void LqCmaEs::forget() { model_ = LqModel(dimensions(), 2 * state().constants().lambda); }
 
-std::vector<std::size_t> LqCmaEs::unmeasured_by_model(const Candidates& candidates,
-                                                      const std::vector<bool>& measured) const {
+std::vector<std::size_t> LqCmaEs::unmeasured_by_model(
+    const Candidates& candidates, const std::vector<bool>& measured) const {
     std::vector<Value> expected;
     for (const auto& y : candidates) expected.push_back(Value::measured(model_.at(y)));
     std::vector<std::size_t> out;
@@ -58,7 +58,8 @@ Task<std::vector<Value>> LqCmaEs::values_of(const Candidates& candidates) {
 
 // Measured values where there are no others; else the model's of all, shifted so that the least of them is the least that was
 // measured. What failed fails, and a bound holds.
-std::vector<Value> LqCmaEs::with_model(const Candidates& candidates, const std::vector<std::optional<Value>>& values) const {
+std::vector<Value> LqCmaEs::with_model(
+    const Candidates& candidates, const std::vector<std::optional<Value>>& values) const {
     std::vector<Value> out;
     double least = std::numeric_limits<double>::infinity(), least_expected = least;
     bool all = true;
@@ -89,7 +90,8 @@ std::optional<std::vector<double>> LqCmaEs::suggestion() const {
     if (!place) {
         place = s.mean();
         const auto slope = multiply(s.covariance(), model_.gradient(s.mean()));
-        for (std::size_t i = 0; i < place->size(); ++i) (*place)[i] -= 1e6 * s.sigma() * slope[i] / (norm(slope) + 1e-300);
+        for (std::size_t i = 0; i < place->size(); ++i)
+            (*place)[i] -= 1e6 * s.sigma() * slope[i] / (norm(slope) + 1e-300);
     }
     const double distance = s.distance(*place), farthest = std::sqrt(n) + 2 * n / (n + 2);
     if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;

@@ -22,12 +22,9 @@ LqModel::LqModel(std::size_t dimensions, std::size_t population) : dimensions_(d
 std::size_t LqModel::coefficients(Terms terms) const {
     const std::size_t n = dimensions_;
     switch (terms) {
-    case Terms::linear:
-        return n + 1;
-    case Terms::squares:
-        return 2 * n + 1;
-    case Terms::products:
-        break;
+    case Terms::linear: return n + 1;
+    case Terms::squares: return 2 * n + 1;
+    case Terms::products: break;
     }
     return n * (n + 3) / 2 + 1;
 }
@@ -66,7 +63,8 @@ void LqModel::fit(std::size_t newest) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return better(entries_[a], entries_[b]); });
     origin_ = entries_[order[0]].x;
-    const auto count = std::min(size(), std::max(coefficients(fitted_) + 2, static_cast<std::size_t>(kept * double(size() + 1))));
+    const auto count =
+        std::min(size(), std::max(coefficients(fitted_) + 2, static_cast<std::size_t>(kept * double(size() + 1))));
     Matrix a(std::max(count, coefficients(fitted_)), coefficients(fitted_));
     std::vector<double> b(a.rows(), 0.0);
     for (std::size_t k = 0; k < count; ++k) {

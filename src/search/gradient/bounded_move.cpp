@@ -7,7 +7,8 @@ namespace treacle::search {
 
 namespace {
 // The d of the free components that solves (a + damping) d = -b, the others kept.
-void solve_free(const Matrix& a, std::span<const double> b, double damping, const std::vector<bool>& free, std::vector<double>& d) {
+void solve_free(
+    const Matrix& a, std::span<const double> b, double damping, const std::vector<bool>& free, std::vector<double>& d) {
     std::vector<std::size_t> index;
     for (std::size_t k = 0; k < free.size(); ++k)
         if (free[k]) index.push_back(k);

@@ -14,7 +14,8 @@ constexpr double first_difference = 0.4; // steps
 constexpr double beside = 0.25;          // steps to a point that determines derivatives
 constexpr double curved = 0.2;           // steps from where on curvature spoils a difference more than noise does
 constexpr double memory = 1e-4;          // weight of the derivatives of before
-constexpr double known_enough = 3e-3, known_well = 0.01; // of the sum of weights and squared distances: a point at 0.7, and 0.4 steps
+constexpr double known_enough = 3e-3,
+                 known_well = 0.01; // of the sum of weights and squared distances: a point at 0.7, and 0.4 steps
 constexpr double least_radius = 0.02, most_radius = 4;
 constexpr int most_idle = 3;
 constexpr int reweightings = 12;
@@ -22,7 +23,8 @@ constexpr int reweightings = 12;
 double squared(double x) { return x * x; }
 } // namespace
 
-GaussNewton::GaussNewton(std::vector<Axis> axes, GaussNewtonOptions options) : Search(std::move(axes), options.limits), options_(options) {}
+GaussNewton::GaussNewton(std::vector<Axis> axes, GaussNewtonOptions options)
+    : Search(std::move(axes), options.limits), options_(options) {}
 
 Task<void> GaussNewton::method() {
     co_await gather(first_points());
@@ -204,7 +206,8 @@ std::vector<Point> GaussNewton::unknown_beside(const Point& x, double least) con
 
 bool GaussNewton::has_settled(const Move& move) const {
     bool small = true;
-    for (std::size_t k = 0; k < dimensions(); ++k) small = small && std::abs(move.d[k]) * axes()[k].step <= axes()[k].smallest();
+    for (std::size_t k = 0; k < dimensions(); ++k)
+        small = small && std::abs(move.d[k]) * axes()[k].step <= axes()[k].smallest();
     return small || move.gain < worth(best_trial().value) || radius_ < least_radius || idle_ >= most_idle;
 }
 

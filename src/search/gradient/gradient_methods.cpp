@@ -105,8 +105,7 @@ Task<void> MomentumDescent::method() {
     const double rate = options().rate / std::max(1e-300, norm(here_.gradient));
     std::vector<double> move(dimensions(), 0.0);
     while (!has_converged()) {
-        for (std::size_t i = 0; i < move.size(); ++i)
-            move[i] = options().momentum * move[i] - rate * here_.gradient[i];
+        for (std::size_t i = 0; i < move.size(); ++i) move[i] = options().momentum * move[i] - rate * here_.gradient[i];
         Place next;
         next.x = moved(here_.x, move, 1);
         for (std::size_t i = 0; i < move.size(); ++i) {

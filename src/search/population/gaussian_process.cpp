@@ -20,8 +20,8 @@ GaussianProcess::GaussianProcess(std::vector<std::vector<double>> points, std::v
     choose_lengths();
 }
 
-double GaussianProcess::kernel(const std::vector<double>& a, const std::vector<double>& b,
-                               const std::vector<double>& lengths) const {
+double GaussianProcess::kernel(
+    const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& lengths) const {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += square((a[i] - b[i]) / lengths[i]);
     const double r = std::sqrt(5 * sum);
@@ -29,8 +29,8 @@ double GaussianProcess::kernel(const std::vector<double>& a, const std::vector<d
 }
 
 // (G1) -2 ln likelihood = m ln(variance) + ln det K, with the mean and the variance that are best for K.
-std::optional<GaussianProcess::Factor> GaussianProcess::factor(const std::vector<double>& lengths,
-                                                               double noise_ratio) const {
+std::optional<GaussianProcess::Factor> GaussianProcess::factor(
+    const std::vector<double>& lengths, double noise_ratio) const {
     const std::size_t m = values_.size();
     Matrix k(m, m);
     for (std::size_t i = 0; i < m; ++i) {

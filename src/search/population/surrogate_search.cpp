@@ -57,7 +57,8 @@ std::vector<Point> SurrogateSearch::hypercube(const Point& middle, double steps)
             keys.push_back(Value::measured(random_.uniform(Purpose::start, 2 * batches_, k, i)));
         const auto order = ranking(keys);
         for (std::uint32_t k = 0; k < count; ++k) {
-            const double place = (double(order[k]) + random_.uniform(Purpose::start, 2 * batches_ + 1, k, i)) / double(count);
+            const double place =
+                (double(order[k]) + random_.uniform(Purpose::start, 2 * batches_ + 1, k, i)) / double(count);
             out[k + 1][i] += steps * axes()[i].step * (2 * place - 1);
         }
     }

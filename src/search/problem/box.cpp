@@ -27,10 +27,8 @@ double inside_of(const Axis& axis, double y) {
 
 double preimage_of(const Axis& axis, double x) {
     const double a = margin(axis);
-    if (std::isfinite(axis.lower) && x - axis.lower < a)
-        return axis.lower - a + straightened(x - axis.lower, a);
-    if (std::isfinite(axis.upper) && axis.upper - x < a)
-        return axis.upper + a - straightened(axis.upper - x, a);
+    if (std::isfinite(axis.lower) && x - axis.lower < a) return axis.lower - a + straightened(x - axis.lower, a);
+    if (std::isfinite(axis.upper) && axis.upper - x < a) return axis.upper + a - straightened(axis.upper - x, a);
     return x;
 }
 } // namespace

@@ -145,8 +145,7 @@ std::optional<Matrix> cholesky(const Matrix& a) {
 
 std::vector<double> solve_lower(const Matrix& l, std::span<const double> b) {
     std::vector<double> y(b.begin(), b.end());
-    for (std::size_t i = 0; i < y.size(); ++i)
-        y[i] = (y[i] - dot(l.row(i).first(i), std::span(y).first(i))) / l(i, i);
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] = (y[i] - dot(l.row(i).first(i), std::span(y).first(i))) / l(i, i);
     return y;
 }
 

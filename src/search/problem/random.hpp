@@ -13,7 +13,8 @@ enum class Purpose : std::uint32_t { candidate, start, swarm_start, swarm_own, s
 // Random numbers without a state: each is a function of the seed, the purpose and where it is used.
 class Random {
 public:
-    explicit Random(std::uint64_t seed) : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)} {}
+    explicit Random(std::uint64_t seed)
+        : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)} {}
 
     // In (0, 1), odd multiples of 2^-53.
     double uniform(Purpose purpose, std::uint32_t generation, std::uint32_t candidate, std::uint32_t coordinate) const;

@@ -12,7 +12,8 @@ namespace treacle::search {
 namespace {
 std::vector<Diagnostic> problems(const std::vector<Axis>& axes) {
     std::vector<Diagnostic> found;
-    if (axes.empty()) found.push_back({"", "a search has no axis", "there is nothing to look for", "give it a parameter"});
+    if (axes.empty())
+        found.push_back({"", "a search has no axis", "there is nothing to look for", "give it a parameter"});
     for (std::size_t i = 0; i < axes.size(); ++i) {
         const auto& axis = axes[i];
         const std::string where = "axis " + std::to_string(i + 1);
@@ -22,7 +23,7 @@ std::vector<Diagnostic> problems(const std::vector<Axis>& axes) {
             found.push_back({where, "its start is not within its bounds", "the search begins there", ""});
         if (!(axis.step > 0) || !std::isfinite(axis.step))
             found.push_back({where, "its step is not positive", "it is the standard deviation around the start",
-                             "a quarter of the range is a good one"});
+                "a quarter of the range is a good one"});
     }
     return found;
 }

@@ -125,8 +125,8 @@ Run::Standing Run::step(double length) {
         gradient[i] += length * q[i];
         r[i] = free(i) ? -gradient[i] : 0;
         square += r[i] * r[i];
-        const double below = free(i) ? std::min(0.0, diagonal[i] * x[i])
-                                     : (diagonal[i] > 0 ? std::min(0.0, gradient[i]) : 0.0);
+        const double below =
+            free(i) ? std::min(0.0, diagonal[i] * x[i]) : (diagonal[i] > 0 ? std::min(0.0, gradient[i]) : 0.0);
         wrong += below * below;
     }
     std::array<double, 3> sums{square, wrong, measure(r)};
@@ -202,14 +202,14 @@ ComplementaritySolver& ComplementaritySolver::operator=(ComplementaritySolver&&)
 std::span<const double> ComplementaritySolver::gradient() const { return state_->gradient; }
 
 ComplementarityReport ComplementaritySolver::solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
-                                                   std::span<RowState> states, const ConvergenceTest& test) {
+    std::span<RowState> states, const ConvergenceTest& test) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     assert(b.size() == rows && x.size() == rows && states.size() == rows);
     auto& s = *state_;
     for (auto* vector : {&s.gradient, &s.r, &s.z, &s.p, &s.q, &s.diagonal}) vector->resize(rows);
     s.smoothed.resize(rows);
-    Run run{{comm_, matrix, options_, test, s.preconditioner, b, x}, states, s.gradient, s.r, s.z, s.p, s.q,
-            s.diagonal, s.smoothed};
+    Run run{{comm_, matrix, options_, test, s.preconditioner, b, x}, states, s.gradient, s.r, s.z, s.p, s.q, s.diagonal,
+        s.smoothed};
     auto& out = run.report;
     const auto start = Clock::now();
     if (matrix.global_rows() > 0) {

@@ -8,9 +8,9 @@ namespace treacle::solve {
 
 // State of each row.
 enum class RowState : unsigned char {
-    fixed,  // x = 0, whatever its gradient
-    bound,  // x = 0, released when its gradient is negative
-    free,   // an unknown; x > 0 in the end
+    fixed, // x = 0, whatever its gradient
+    bound, // x = 0, released when its gradient is negative
+    free,  // an unknown; x > 0 in the end
 };
 
 // Result of one solve; the same on every rank, its seconds aside.
@@ -37,7 +37,7 @@ public:
     // diagonals. The test gets the residual b - A x where x > 0 or b - A x > 0, and 0 elsewhere and on fixed rows;
     // ||b|| is that of the first free rows. Collective.
     ComplementarityReport solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
-                                std::span<RowState> states, const ConvergenceTest& test);
+        std::span<RowState> states, const ConvergenceTest& test);
 
     // A x - b of the last solve on this rank's rows.
     std::span<const double> gradient() const;

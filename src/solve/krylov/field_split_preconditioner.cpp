@@ -10,7 +10,8 @@ FieldSplitPreconditioner::FieldSplitPreconditioner(const Comm& comm, std::string
 }
 
 // Rows and columns of one component, numbered by themselves.
-BlockRows FieldSplitPreconditioner::take_rows(const Matrix& matrix, std::span<const signed char> components, int component, Part& part) {
+BlockRows FieldSplitPreconditioner::take_rows(
+    const Matrix& matrix, std::span<const signed char> components, int component, Part& part) {
     const auto& a = matrix.blocks();
     part.rows.clear();
     numbers_.assign(components.size(), -1.0);
@@ -71,7 +72,8 @@ void FieldSplitPreconditioner::apply(std::span<const double> r, std::span<double
 std::size_t FieldSplitPreconditioner::bytes() const {
     std::size_t total = 8 * numbers_.capacity();
     for (const auto& part : parts_) {
-        total += part.matrix.bytes() + sizeof(Index) * part.rows.capacity() + 8 * (part.r.capacity() + part.z.capacity());
+        total +=
+            part.matrix.bytes() + sizeof(Index) * part.rows.capacity() + 8 * (part.r.capacity() + part.z.capacity());
     }
     return total;
 }

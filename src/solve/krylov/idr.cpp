@@ -41,7 +41,9 @@ struct Block {
     std::span<const double> of(std::span<const double> vector) const { return vector.subspan(from, rows); }
     std::span<double> of(std::span<double> vector) const { return vector.subspan(from, rows); }
     std::span<double> of(std::vector<double>& vector) const { return std::span(vector).subspan(from, rows); }
-    std::span<const double> of(const std::vector<double>& vector) const { return std::span(vector).subspan(from, rows); }
+    std::span<const double> of(const std::vector<double>& vector) const {
+        return std::span(vector).subspan(from, rows);
+    }
 };
 
 template <class Work>
@@ -56,7 +58,8 @@ struct Idr::Small {
     std::vector<double> m, f, c, along, alpha;
     double omega = 1;
 
-    explicit Small(std::size_t shadow_space_dimension) : s(shadow_space_dimension), m(s * s, 0.0), f(s, 0.0), c(s, 0.0), along(s, 0.0), alpha(s, 0.0) {
+    explicit Small(std::size_t shadow_space_dimension)
+        : s(shadow_space_dimension), m(s * s, 0.0), f(s, 0.0), c(s, 0.0), along(s, 0.0), alpha(s, 0.0) {
         for (std::size_t k = 0; k < s; ++k) m[k * s + k] = 1;
     }
     // The part [from, to) of M x = right.
@@ -177,8 +180,12 @@ void Idr::run_cycle(const Operator& a, std::span<double> x, double residual, dou
         std::copy(x.begin(), x.end(), kept_.begin());
         kept = residual;
     };
-    const auto goes_on = [&] { return residual > target && std::isfinite(residual) && report.iterations < options_.max_iterations; };
-    const auto falls = [&] { return vain_rounds < (least < deep_residual_drop * largest ? most_vain_rounds_far_down : most_vain_rounds); };
+    const auto goes_on = [&] {
+        return residual > target && std::isfinite(residual) && report.iterations < options_.max_iterations;
+    };
+    const auto falls = [&] {
+        return vain_rounds < (least < deep_residual_drop * largest ? most_vain_rounds_far_down : most_vain_rounds);
+    };
     begin_cycle();
     keep();
     while (goes_on() && falls()) {
@@ -203,7 +210,8 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
     const auto start = Clock::now();
     SolveReport report;
     const double norm_b = norm(a, b), target = relative * norm_b;
-    for (auto* vectors : {&shadows_, &u_, &g_}) vectors->resize(static_cast<std::size_t>(options_.shadow_space_dimension));
+    for (auto* vectors : {&shadows_, &u_, &g_})
+        vectors->resize(static_cast<std::size_t>(options_.shadow_space_dimension));
     for (auto* vector : {&r_, &v_, &z_, &kept_}) vector->resize(b.size());
     const auto end = [&](Outcome outcome, const char* reason) {
         report.outcome = outcome;
@@ -222,10 +230,12 @@ SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<d
         before = residual;
         if (!std::isfinite(residual)) end(Outcome::non_finite, "the system or an iterate is not finite");
         // Rounding lets the residual of the recurrence be smaller than that of x.
-        else if (residual <= (cycle == 0 ? 1.0 : 1.01) * target || residual == 0) end(Outcome::converged, "converged");
+        else if (residual <= (cycle == 0 ? 1.0 : 1.01) * target || residual == 0)
+            end(Outcome::converged, "converged");
         else if (report.iterations >= options_.max_iterations)
             end(Outcome::iteration_limit, "not converged within the limit of iterations");
-        else if (vain == max_stagnant_cycles) end(Outcome::stagnated, "the residual does not fall any more");
+        else if (vain == max_stagnant_cycles)
+            end(Outcome::stagnated, "the residual does not fall any more");
         else {
             draw_shadows(a, cycle);
             run_cycle(a, x, residual, target, report);

@@ -17,8 +17,8 @@ struct Operator {
 
 // Limits and size of the method.
 struct IdrOptions {
-    int max_iterations = 200; // products
-    int shadow_space_dimension = 4;          // s: more of them take fewer iterations and 3 vectors each
+    int max_iterations = 200;       // products
+    int shadow_space_dimension = 4; // s: more of them take fewer iterations and 3 vectors each
 };
 
 // Induced dimension reduction IDR(s) with directions orthogonal to the shadows, preconditioned from the right (Sonneveld &
@@ -49,7 +49,7 @@ private:
     Comm comm_;
     IdrOptions options_;
     std::vector<std::vector<double>> shadows_, u_, g_; // [s][rows]: P, U and G = A U
-    std::vector<double> r_, v_, z_, kept_; // kept_: the best x so far, roughly
+    std::vector<double> r_, v_, z_, kept_;             // kept_: the best x so far, roughly
 };
 
 } // namespace treacle::solve

@@ -16,20 +16,13 @@ namespace treacle::solve {
 
 std::string_view to_string(Preconditioner preconditioner) {
     switch (preconditioner) {
-    case Preconditioner::none:
-        return "none";
-    case Preconditioner::jacobi:
-        return "jacobi";
-    case Preconditioner::ic0:
-        return "ic0";
-    case Preconditioner::ssor:
-        return "ssor";
-    case Preconditioner::sor_jacobi:
-        return "sor_jacobi";
-    case Preconditioner::gamg:
-        return "gamg";
-    case Preconditioner::boomeramg:
-        return "boomeramg";
+    case Preconditioner::none: return "none";
+    case Preconditioner::jacobi: return "jacobi";
+    case Preconditioner::ic0: return "ic0";
+    case Preconditioner::ssor: return "ssor";
+    case Preconditioner::sor_jacobi: return "sor_jacobi";
+    case Preconditioner::gamg: return "gamg";
+    case Preconditioner::boomeramg: return "boomeramg";
     }
     return "";
 }
@@ -41,8 +34,8 @@ ConvergenceTest ConvergenceTest::residual(double relative, double absolute) {
     return test;
 }
 
-ConvergenceTest ConvergenceTest::measure(std::function<double(std::span<const double>)> local,
-                                         double threshold, double relative) {
+ConvergenceTest ConvergenceTest::measure(
+    std::function<double(std::span<const double>)> local, double threshold, double relative) {
     ConvergenceTest test;
     test.local = std::move(local);
     test.threshold = threshold;
@@ -199,34 +192,27 @@ void Run::finish() {
 
 std::string sentence(Outcome outcome, const KrylovOptions& options) {
     switch (outcome) {
-    case Outcome::converged:
-        return "converged";
+    case Outcome::converged: return "converged";
     case Outcome::iteration_limit:
         return "not converged within " + std::to_string(options.max_iterations) + " iterations";
-    case Outcome::indefinite_matrix:
-        return "the matrix is not positive definite (p.Ap <= 0)";
-    case Outcome::indefinite_preconditioner:
-        return "the preconditioner is not positive definite (r.Mr <= 0)";
-    case Outcome::non_finite:
-        return "the system or an iterate is not finite";
-    case Outcome::stagnated:
-        return "the residual is zero and the convergence test still fails";
-    case Outcome::preconditioner_failed:
-        return "the preconditioner cannot be set up";
+    case Outcome::indefinite_matrix: return "the matrix is not positive definite (p.Ap <= 0)";
+    case Outcome::indefinite_preconditioner: return "the preconditioner is not positive definite (r.Mr <= 0)";
+    case Outcome::non_finite: return "the system or an iterate is not finite";
+    case Outcome::stagnated: return "the residual is zero and the convergence test still fails";
+    case Outcome::preconditioner_failed: return "the preconditioner cannot be set up";
     }
     return "";
 }
 
 KrylovSolver::KrylovSolver(const Comm& comm, std::string prefix, KrylovOptions options)
-    : comm_(comm), prefix_(std::move(prefix)), options_(std::move(options)),
-      state_(std::make_unique<State>()) {}
+    : comm_(comm), prefix_(std::move(prefix)), options_(std::move(options)), state_(std::make_unique<State>()) {}
 
 KrylovSolver::~KrylovSolver() = default;
 KrylovSolver::KrylovSolver(KrylovSolver&&) noexcept = default;
 KrylovSolver& KrylovSolver::operator=(KrylovSolver&&) noexcept = default;
 
-SolveReport KrylovSolver::solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
-                                const ConvergenceTest& test) {
+SolveReport KrylovSolver::solve(
+    Matrix& matrix, std::span<const double> b, std::span<double> x, const ConvergenceTest& test) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     assert(b.size() == rows && x.size() == rows);
     auto& [preconditioner, r, z, p, q, shifted] = *state_;
@@ -264,12 +250,10 @@ SolveReport KrylovSolver::solve(Matrix& matrix, std::span<const double> b, std::
 void KrylovSolver::set_up(Matrix& matrix) {
     if (state_->preconditioner.set_up(matrix, prefix_, options_)) return;
     throw SimulationError({"solver " + prefix_, "the preconditioner cannot be set up",
-                           "the matrix is not positive definite or not finite", ""});
+        "the matrix is not positive definite or not finite", ""});
 }
 
-void KrylovSolver::precondition(std::span<const double> r, std::span<double> z) {
-    state_->preconditioner.apply(r, z);
-}
+void KrylovSolver::precondition(std::span<const double> r, std::span<double> z) { state_->preconditioner.apply(r, z); }
 
 void KrylovSolver::release() { state_ = std::make_unique<State>(); }
 

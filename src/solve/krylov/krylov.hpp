@@ -16,11 +16,11 @@ namespace treacle::solve {
 enum class Preconditioner {
     none,
     jacobi,
-    ic0,       // incomplete Cholesky without fill of each rank's block, shifted where it would break down
-    ssor,      // one symmetric sweep of over-relaxation in each rank's block
+    ic0,        // incomplete Cholesky without fill of each rank's block, shifted where it would break down
+    ssor,       // one symmetric sweep of over-relaxation in each rank's block
     sor_jacobi, // two sweeps of relaxation with all rows at once: z = omega D^-1 (2 - omega A D^-1) r
-    gamg,      // PETSc's smoothed aggregation, Chebyshev–Jacobi smoother
-    boomeramg, // HYPRE: HMIS, ext+i, at most 4 entries a row of P, one aggressive level, l1 smoother
+    gamg,       // PETSc's smoothed aggregation, Chebyshev–Jacobi smoother
+    boomeramg,  // HYPRE: HMIS, ext+i, at most 4 entries a row of P, one aggressive level, l1 smoother
 };
 // "ic0"; the words of scene files.
 std::string_view to_string(Preconditioner preconditioner);
@@ -68,8 +68,8 @@ struct ConvergenceTest {
     // Sum over the ranks of local(r of this rank's rows) < threshold; local must not throw nor communicate.
     // And ||r|| <= relative ||b||.
     // Average density error, dissertation 2.5.1: local = sum max(0, -r_i) dt^2 / (N rho_0), threshold = eta.
-    static ConvergenceTest measure(std::function<double(std::span<const double>)> local, double threshold,
-                                   double relative = unbounded);
+    static ConvergenceTest measure(
+        std::function<double(std::span<const double>)> local, double threshold, double relative = unbounded);
 
     // Value of `relative` with which ||r|| is not tested.
     static constexpr double unbounded = std::numeric_limits<double>::infinity();
@@ -96,13 +96,12 @@ enum class Outcome {
 struct SolveReport {
     Outcome outcome = Outcome::converged;
     bool converged() const { return outcome == Outcome::converged; }
-    std::string reason; // a sentence for the user
-    int iterations = 0; // 0 where the guess passed the test
-    double relative_residual =
-        0;                     // ||b - A x|| / ||b||, computed anew from the returned x; ||b - A x|| if b = 0
-    double error_measure = 0;  // what the test compared last: ||r||, or the sum of the user's measure
-    std::int64_t products = 0; // matrix-vector products, the final check included, smoothers not
-    double set_up_seconds = 0; // of the preconditioner
+    std::string reason;           // a sentence for the user
+    int iterations = 0;           // 0 where the guess passed the test
+    double relative_residual = 0; // ||b - A x|| / ||b||, computed anew from the returned x; ||b - A x|| if b = 0
+    double error_measure = 0;     // what the test compared last: ||r||, or the sum of the user's measure
+    std::int64_t products = 0;    // matrix-vector products, the final check included, smoothers not
+    double set_up_seconds = 0;    // of the preconditioner
     double iteration_seconds = 0; // all the rest
 };
 
@@ -121,8 +120,7 @@ public:
     // Solves A x = b from the guess in x. Collective; the report is the same on every rank, its seconds
     // aside. An unsuccessful solve is a report, not an exception, with x the last iterate. When the guess
     // passes the test, nothing is set up. Throws what PETSc throws (runtime.hpp).
-    SolveReport solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
-                      const ConvergenceTest& test);
+    SolveReport solve(Matrix& matrix, std::span<const double> b, std::span<double> x, const ConvergenceTest& test);
 
     // The preconditioner by itself: set_up, then any number of z = M r. Collective. solve() calls set_up and
     // keeps the result for further solves with the same Matrix. SimulationError when it cannot be made.

@@ -11,20 +11,13 @@ namespace {
 
 PCType pc_type(Preconditioner preconditioner) {
     switch (preconditioner) {
-    case Preconditioner::none:
-        return PCNONE;
-    case Preconditioner::jacobi:
-        return PCJACOBI;
-    case Preconditioner::ic0:
-        return PCBJACOBI;
-    case Preconditioner::ssor:
-        return PCSOR;
-    case Preconditioner::sor_jacobi:
-        return PCKSP;
-    case Preconditioner::gamg:
-        return PCGAMG;
-    case Preconditioner::boomeramg:
-        return PCHYPRE;
+    case Preconditioner::none: return PCNONE;
+    case Preconditioner::jacobi: return PCJACOBI;
+    case Preconditioner::ic0: return PCBJACOBI;
+    case Preconditioner::ssor: return PCSOR;
+    case Preconditioner::sor_jacobi: return PCKSP;
+    case Preconditioner::gamg: return PCGAMG;
+    case Preconditioner::boomeramg: return PCHYPRE;
     }
     throw std::logic_error("unknown preconditioner");
 }
@@ -110,8 +103,8 @@ void BuiltPreconditioner::build(Matrix& matrix, const std::string& prefix, const
     if (is_type(pc_, PCEISENSTAT)) {
         pc_.reset();
         throw InputError({"-" + prefix + "_pc_type", "eisenstat does not work here",
-                          "it changes the system behind PETSc's own Krylov methods, and ours is another",
-                          "sor is the same preconditioner"});
+            "it changes the system behind PETSc's own Krylov methods, and ours is another",
+            "sor is the same preconditioner"});
     }
     identity_ = is_type(pc_, PCNONE);
     cheap_ = identity_ || is_type(pc_, PCJACOBI) || is_type(pc_, PCBJACOBI) || is_type(pc_, PCSOR);

@@ -46,8 +46,8 @@ inline double squares(std::span<const double> a, double shift) {
 }
 
 // x += alpha p, r -= alpha q; returns r.r.
-inline double step(double alpha, std::span<const double> p, std::span<const double> q, std::span<double> x,
-                   std::span<double> r) {
+inline double step(
+    double alpha, std::span<const double> p, std::span<const double> q, std::span<double> x, std::span<double> r) {
     const double* const direction = p.data();
     const double* const product = q.data();
     double* const solution = x.data();
@@ -64,8 +64,7 @@ inline double step(double alpha, std::span<const double> p, std::span<const doub
 }
 
 // r = b - shift - q; returns r.r.
-inline double subtract(std::span<const double> b, double shift, std::span<const double> q,
-                       std::span<double> r) {
+inline double subtract(std::span<const double> b, double shift, std::span<const double> q, std::span<double> r) {
     const double* const left = b.data();
     const double* const right = q.data();
     double* const residual = r.data();

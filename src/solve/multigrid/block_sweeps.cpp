@@ -65,7 +65,8 @@ void BlockSweeps::down_from_zero_of(const double* inverse, const double* r, doub
     const Index blocks = static_cast<Index>(offsets_.size()) - 1;
     const Index* const columns = columns_.data();
     for (Index block = 0; block < blocks; ++block) {
-        const Index begin = offsets_[static_cast<std::size_t>(block)], end = offsets_[static_cast<std::size_t>(block) + 1];
+        const Index begin = offsets_[static_cast<std::size_t>(block)],
+                    end = offsets_[static_cast<std::size_t>(block) + 1];
         const double* const below = below_.data() + std::ptrdiff_t{M * M} * begin;
         const double* const own = own_.data() + std::ptrdiff_t{M * M} * block;
         const Index row = M * block;
@@ -90,10 +91,12 @@ void BlockSweeps::down_from_zero_of(const double* inverse, const double* r, doub
 
 // `above`: what the values above take, which each row of blocks passes on when it has computed its own; zero before.
 template <int M>
-void BlockSweeps::up_of(const double* inverse, const double* r, double* z, double* above, double* t, double* changes) const {
+void BlockSweeps::up_of(
+    const double* inverse, const double* r, double* z, double* above, double* t, double* changes) const {
     const Index* const columns = columns_.data();
     for (Index block = static_cast<Index>(offsets_.size()) - 1; block-- > 0;) {
-        const Index begin = offsets_[static_cast<std::size_t>(block)], end = offsets_[static_cast<std::size_t>(block) + 1];
+        const Index begin = offsets_[static_cast<std::size_t>(block)],
+                    end = offsets_[static_cast<std::size_t>(block) + 1];
         const double* const below = below_.data() + std::ptrdiff_t{M * M} * begin;
         const double* const own = own_.data() + std::ptrdiff_t{M * M} * block;
         const Index row = M * block;
@@ -128,26 +131,32 @@ void BlockSweeps::subtract_below(const double* changes, double* t) const {
     const Index* const columns = columns_.data();
     for (Index block = 0; block < blocks; ++block) {
         BlockProducts<M> lanes;
-        const Index begin = offsets_[static_cast<std::size_t>(block)], end = offsets_[static_cast<std::size_t>(block) + 1];
+        const Index begin = offsets_[static_cast<std::size_t>(block)],
+                    end = offsets_[static_cast<std::size_t>(block) + 1];
         const double* const below = below_.data() + std::ptrdiff_t{M * M} * begin;
         for (Index e = begin; e < end; ++e) lanes.add(below + M * M * (e - begin), changes + columns[e]);
         lanes.subtract_from(t + M * block);
     }
 }
 
-void BlockSweeps::down_from_zero(std::span<const double> inverse, std::span<const double> r, std::span<double> z,
-                                 std::span<double> t) const {
-    if (size_ == 6) down_from_zero_of<6>(inverse.data(), r.data(), z.data(), t.data());
-    else down_from_zero_of<3>(inverse.data(), r.data(), z.data(), t.data());
+void BlockSweeps::down_from_zero(
+    std::span<const double> inverse, std::span<const double> r, std::span<double> z, std::span<double> t) const {
+    if (size_ == 6)
+        down_from_zero_of<6>(inverse.data(), r.data(), z.data(), t.data());
+    else
+        down_from_zero_of<3>(inverse.data(), r.data(), z.data(), t.data());
 }
 
 void BlockSweeps::up(std::span<const double> inverse, std::span<const double> r, std::span<double> z) {
     std::fill(above_.begin(), above_.end(), 0.0);
-    if (size_ == 6) up_of<6>(inverse.data(), r.data(), z.data(), above_.data(), nullptr, nullptr);
-    else up_of<3>(inverse.data(), r.data(), z.data(), above_.data(), nullptr, nullptr);
+    if (size_ == 6)
+        up_of<6>(inverse.data(), r.data(), z.data(), above_.data(), nullptr, nullptr);
+    else
+        up_of<3>(inverse.data(), r.data(), z.data(), above_.data(), nullptr, nullptr);
 }
 
-void BlockSweeps::up(std::span<const double> inverse, std::span<const double> r, std::span<double> z, std::span<double> t) {
+void BlockSweeps::up(
+    std::span<const double> inverse, std::span<const double> r, std::span<double> z, std::span<double> t) {
     std::fill(above_.begin(), above_.end(), 0.0);
     if (size_ == 6) {
         up_of<6>(inverse.data(), r.data(), z.data(), above_.data(), t.data(), changes_.data());

@@ -18,7 +18,8 @@ public:
     bool taken() const { return size_ > 0; }
 
     // z = (D' + L)^-1 r, 1/D' in `inverse`; t = - U z.
-    void down_from_zero(std::span<const double> inverse, std::span<const double> r, std::span<double> z, std::span<double> t) const;
+    void down_from_zero(
+        std::span<const double> inverse, std::span<const double> r, std::span<double> z, std::span<double> t) const;
     // One sweep from z, from the last row to the first.
     void up(std::span<const double> inverse, std::span<const double> r, std::span<double> z);
     // The same and t = r - A z, in two passes.

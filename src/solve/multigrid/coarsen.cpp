@@ -30,7 +30,7 @@ void aggregate(Level& level, int coarsening_levels, RowOrder order, const CellSe
     for (std::size_t k = 0; k < runs.size(); ++k) {
         if (k == 0 || runs[k].key != runs[k - 1].key) level.group.push_back(static_cast<Index>(k));
         std::fill(level.aggregate.begin() + runs[k].begin, level.aggregate.begin() + runs[k].end,
-                  static_cast<Index>(level.group.size()) - 1);
+            static_cast<Index>(level.group.size()) - 1);
     }
     level.group.push_back(static_cast<Index>(runs.size()));
 }
@@ -66,7 +66,7 @@ void Coarsener::number(const Comm& comm, Level& level) {
 
 MortonKey Coarsener::key_at(const CoarseRows& made, Index place) const {
     return place < places_.own() ? made.keys[static_cast<std::size_t>(place)]
-                              : halo_keys_[static_cast<std::size_t>(place - places_.own())];
+                                 : halo_keys_[static_cast<std::size_t>(place - places_.own())];
 }
 
 void Coarsener::add(Index place, double value) {

@@ -39,7 +39,9 @@ public:
     Index own() const { return own_; }
     std::size_t size() const { return static_cast<std::size_t>(own_) + others_.size(); }
     std::size_t others() const { return others_.size(); }
-    Index global(Index place) const { return place < own_ ? first_ + place : others_[static_cast<std::size_t>(place - own_)]; }
+    Index global(Index place) const {
+        return place < own_ ? first_ + place : others_[static_cast<std::size_t>(place - own_)];
+    }
     // [halo of the level]: place of the aggregate of each row of other ranks, -1: none.
     const std::vector<Index>& of_halo() const { return of_halo_; }
 
@@ -71,16 +73,18 @@ private:
     void sum_rows(const Level& level, Index aggregate);
     void add(Index place, double value);
     MortonKey key_at(const CoarseRows& made, Index place) const;
-    double density_at(Index place) const { return densities_.empty() ? 1 : densities_[static_cast<std::size_t>(place)]; }
+    double density_at(Index place) const {
+        return densities_.empty() ? 1 : densities_[static_cast<std::size_t>(place)];
+    }
     void end_row(CoarseRows& made);
 
     void number(const Comm& comm, Level& level);
 
     AggregatePlaces places_;
     std::vector<MortonKey> halo_keys_; // of other ranks' aggregates
-    std::vector<double> densities_;  // [places], means of the aggregates' rows; or empty
-    std::vector<Index> slot_;        // where in row_ an aggregate stands, -1: nowhere
-    std::vector<Entry> row_;            // of places: this rank's aggregates, then the others
+    std::vector<double> densities_;    // [places], means of the aggregates' rows; or empty
+    std::vector<Index> slot_;          // where in row_ an aggregate stands, -1: nowhere
+    std::vector<Entry> row_;           // of places: this rank's aggregates, then the others
     std::vector<double> scratch_;
 };
 

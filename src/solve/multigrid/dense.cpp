@@ -9,7 +9,8 @@ constexpr double least_pivot = 1e-12;
 
 void DenseFactor::factor(const Level& level) { factor(level, {}, {}, 0); }
 
-void DenseFactor::factor(const Level& level, std::span<const double> columns, std::span<const double> block, std::size_t m) {
+void DenseFactor::factor(
+    const Level& level, std::span<const double> columns, std::span<const double> block, std::size_t m) {
     const auto rows = static_cast<std::size_t>(level.rows);
     n_ = rows + m;
     lower_.assign(n_ * n_, 0.0);

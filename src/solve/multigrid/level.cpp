@@ -28,7 +28,7 @@ void scatter(const Index* columns, const double* values, Index begin, Index end,
     for (Index k = begin; k < end; ++k) t[columns[k]] -= values[k] * factor;
 }
 
-constexpr int ahead = 3; // rows
+constexpr int ahead = 3;   // rows
 constexpr Index line = 64; // bytes
 
 inline void fetch(const Index* columns, const double* values, Index begin, Index end) {
@@ -145,7 +145,8 @@ void Level::sweep_forward_from_zero(std::span<const double> r_, std::span<double
     if (blocks_.taken()) {
         blocks_.down_from_zero(inverse_, r_, z_, t_);
         if (!l1_diagonal_.empty()) {
-            for (std::size_t i = 0; i < z_.size(); ++i) t_[i] += (l1_diagonal_[i] - diagonal(static_cast<Index>(i))) * z_[i];
+            for (std::size_t i = 0; i < z_.size(); ++i)
+                t_[i] += (l1_diagonal_[i] - diagonal(static_cast<Index>(i))) * z_[i];
         }
         subtract_others(halo().gather(z_), t_);
         return;
@@ -230,8 +231,10 @@ void Level::sweep_up_by_rows(std::span<const double> r_, std::span<double> z_, s
 void Level::sweep_backward(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
     const auto before = halo().gather(z_);
     around_.assign(before.begin(), before.end());
-    if (blocks_.taken()) blocks_.up(inverse_, less_others(r_, around_), z_, t_);
-    else sweep_up_by_rows(r_, z_, t_);
+    if (blocks_.taken())
+        blocks_.up(inverse_, less_others(r_, around_), z_, t_);
+    else
+        sweep_up_by_rows(r_, z_, t_);
     const auto after = halo().gather(z_);
     for (std::size_t k = 0; k < around_.size(); ++k) around_[k] = after[k] - around_[k];
     subtract_others(around_, t_);
@@ -266,10 +269,11 @@ void Level::residual(std::span<const double> r_, std::span<const double> z_, std
 
 std::size_t Level::bytes() const {
     std::size_t reals = keys.capacity(), indices = 0;
-    for (const auto* of : {&centres, &walls, &r, &z, &t, &l1_diagonal_, &inverse_, &change_, &around_, &right_}) reals += of->capacity();
+    for (const auto* of : {&centres, &walls, &r, &z, &t, &l1_diagonal_, &inverse_, &change_, &around_, &right_})
+        reals += of->capacity();
     for (const auto* of : {&halo_columns_, &diagonal_, &interface_, &aggregate, &group}) indices += of->capacity();
-    return own_store_.bytes() + other_store_.bytes() + blocks_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() + fixed.capacity() +
-           8 * reals + 4 * indices;
+    return own_store_.bytes() + other_store_.bytes() + blocks_.bytes() + halo_.bytes() + sizeof(Run) * runs.capacity() +
+           fixed.capacity() + 8 * reals + 4 * indices;
 }
 
 } // namespace treacle::solve

@@ -40,9 +40,9 @@ struct Csr {
 struct CoarseRows {
     Csr matrix;
     std::vector<MortonKey> keys;
-    std::vector<double> walls; // for grids: what walls add to the diagonals
+    std::vector<double> walls;   // for grids: what walls add to the diagonals
     std::vector<double> centres; // for rigid modes: [rows / modes][3], of the aggregates [m]
-    int block = 1;               // so many rows one after the other have the same columns, so many of which are one after the other
+    int block = 1; // so many rows one after the other have the same columns, so many of which are one after the other
 
     // No rows; the memory is kept.
     void clear() {
@@ -97,11 +97,11 @@ public:
     std::size_t bytes() const;
 
     Index rows = 0, first_row = 0, global_rows = 0; // rows of this rank, global number of the first, of all ranks
-    std::vector<MortonKey> keys;  // [rows]; of the matrix itself, those of the finest cells
-    std::vector<double> walls;  // [rows], for grids
-    std::vector<double> centres; // [rows / modes][3], for rigid modes
-    std::vector<unsigned char> fixed; // [rows] of the matrix itself, 1 where z stays 0; or empty
-    std::vector<double> r, z, t; // of coarse levels; t of the matrix too
+    std::vector<MortonKey> keys;                    // [rows]; of the matrix itself, those of the finest cells
+    std::vector<double> walls;                      // [rows], for grids
+    std::vector<double> centres;                    // [rows / modes][3], for rigid modes
+    std::vector<unsigned char> fixed;               // [rows] of the matrix itself, 1 where z stays 0; or empty
+    std::vector<double> r, z, t;                    // of coarse levels; t of the matrix too
     std::pair<std::vector<double>, std::vector<double>> second; // of coarse levels, for a W-cycle
 
     // The aggregates of this level, which are this rank's rows of the next one before it is gathered.
@@ -130,14 +130,14 @@ private:
 
     Block own_, other_;
     Csr own_store_, other_store_;
-    std::vector<Index> halo_columns_; // scratch of take()
-    std::vector<Index> diagonal_;     // place of the diagonal entry in own
+    std::vector<Index> halo_columns_;    // scratch of take()
+    std::vector<Index> diagonal_;        // place of the diagonal entry in own
     std::vector<Index> interface_;       // rows that couple to other ranks
-    std::vector<double> change_;      // [rows], of sweep_interface_forward(): zero but for border rows
-    std::vector<double> l1_diagonal_;     // [rows] D'; or empty: D
-    std::vector<double> inverse_;     // [rows] 1/D', 0 where there is nothing to divide by
+    std::vector<double> change_;         // [rows], of sweep_interface_forward(): zero but for border rows
+    std::vector<double> l1_diagonal_;    // [rows] D'; or empty: D
+    std::vector<double> inverse_;        // [rows] 1/D', 0 where there is nothing to divide by
     std::vector<double> around_, right_; // scratch of sweep_backward()
-    BlockSweeps blocks_;              // where rows come in blocks, does their sweeps
+    BlockSweeps blocks_;                 // where rows come in blocks, does their sweeps
     RowHalo halo_;
     RowHalo* borrowed_halo_ = nullptr; // the matrix's own
 };

@@ -30,8 +30,8 @@ struct Stage {
 struct Multilevel::State {
     const MultilevelOptions* options = nullptr;
     std::deque<Stage> stages; // of the deepest hierarchy so far
-    std::size_t used = 0;      // levels of the present one
-    bool direct = false;       // the last level is solved for directly
+    std::size_t used = 0;     // levels of the present one
+    bool direct = false;      // the last level is solved for directly
     CellSet dirichlet;
     CoarseRows made;
     Coarsener coarsener;
@@ -78,12 +78,12 @@ bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const
         coarsener.make_galerkin(comm, level, grid_divisor, made);
     }
     const int old_stride = stride;
-    stride = RankAgglomeration::wider(comm, stride, global_rows,
-                              global_rows <= options->max_coarse_size ? global_rows : options->min_rows_per_rank);
+    stride = RankAgglomeration::wider(
+        comm, stride, global_rows, global_rows <= options->max_coarse_size ? global_rows : options->min_rows_per_rank);
     agglomeration.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dirichlet);
     auto& next = stages[used++].level;
-    next.take(comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})),
-              static_cast<Index>(global_rows));
+    next.take(
+        comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})), static_cast<Index>(global_rows));
     agglomeration.connect(comm, next);
     const auto made_rows = agglomeration.moved() ? static_cast<std::size_t>(level.aggregates()) : 0;
     made_r.resize(made_rows);
@@ -218,7 +218,7 @@ std::vector<LevelSize> Multilevel::sizes() const {
     for (std::size_t k = 0; k < state_->used; ++k) {
         const auto& level = state_->stages[k].level;
         sizes.push_back({comm_.sum(std::int64_t{level.rows}), comm_.sum(level.entries()),
-                         static_cast<int>(comm_.sum(std::int64_t{level.rows > 0}))});
+            static_cast<int>(comm_.sum(std::int64_t{level.rows > 0}))});
     }
     return sizes;
 }
@@ -235,8 +235,8 @@ double Multilevel::operator_complexity() const {
 std::size_t Multilevel::bytes() const {
     std::size_t total = state_->dense.bytes();
     for (const auto& stage : state_->stages) {
-        total += stage.level.bytes() + stage.agglomeration.bytes() +
-                 8 * (stage.made_r.capacity() + stage.made_z.capacity());
+        total +=
+            stage.level.bytes() + stage.agglomeration.bytes() + 8 * (stage.made_r.capacity() + stage.made_z.capacity());
     }
     return total;
 }

@@ -28,16 +28,16 @@ enum class Cycle {
 // Settings of a Multilevel. std::logic_error from its constructor where they are out of range.
 struct MultilevelOptions {
     CoarseMatrices coarse = CoarseMatrices::galerkin; // grids: v only
-    Smoother smoother = Smoother::gauss_seidel; // of the rows themselves; coarse levels use Gauss–Seidel
-    double jacobi_weight = 2.0 / 3;             // at most 1
-    double overcorrection = 1.6;                // galerkin: coarse matrices are divided by it, from 1 to below 2
-    Cycle cycle = Cycle::w;                     // v where coarse matrices are grids
-    int coarse_sweeps = 1;                      // each way on coarse levels
-    double relaxation = 1;                      // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
-    bool interface_sweeps = false;                 // rows beside other ranks once more between the sweeps, on all levels
-    double grid_coupling = 1; // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
+    Smoother smoother = Smoother::gauss_seidel;       // of the rows themselves; coarse levels use Gauss–Seidel
+    double jacobi_weight = 2.0 / 3;                   // at most 1
+    double overcorrection = 1.6;                      // galerkin: coarse matrices are divided by it, from 1 to below 2
+    Cycle cycle = Cycle::w;                           // v where coarse matrices are grids
+    int coarse_sweeps = 1;                            // each way on coarse levels
+    double relaxation = 1;                            // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
+    bool interface_sweeps = false; // rows beside other ranks once more between the sweeps, on all levels
+    double grid_coupling = 1;      // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
     int max_coarse_size = 200;     // most unknowns that are solved for directly
-    int min_rows_per_rank = 500;  // levels with fewer on average are gathered onto every eighth rank
+    int min_rows_per_rank = 500;   // levels with fewer on average are gathered onto every eighth rank
 };
 
 // Cells by which rows are put together. Cells are integer coordinates from -2^20 to 2^20 - 1.
@@ -46,7 +46,8 @@ struct MultilevelCells {
     // For grids:
     std::span<const int> dirichlet; // [n][3], cells with p = 0: this rank's, and those beside its own
     std::span<const double> walls;  // [rows], what walls add to the diagonal
-    std::span<const double> densities{}; // [rows], of the rows' liquids over that of grid_coupling; empty on all ranks: 1
+    std::span<const double>
+        densities{}; // [rows], of the rows' liquids over that of grid_coupling; empty on all ranks: 1
     // Galerkin products only: [rows], 1 where z stays 0, as if the matrix did not have the row; or empty.
     std::span<const unsigned char> fixed{};
 };

@@ -50,7 +50,8 @@ Turn<D> turn(const double* a) {
 }
 
 template <int D>
-void restrict_rows(const Level& level, const RigidBodyProlongation& links, std::span<const double> t, std::span<double> coarse) {
+void restrict_rows(
+    const Level& level, const RigidBodyProlongation& links, std::span<const double> t, std::span<double> coarse) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t i = 0; i < t.size(); ++i) {
         if (level.aggregate[i] < 0) continue;
@@ -61,7 +62,8 @@ void restrict_rows(const Level& level, const RigidBodyProlongation& links, std::
 }
 
 template <int D>
-void prolong_rows(const Level& level, const RigidBodyProlongation& links, std::span<const double> coarse, std::span<double> z) {
+void prolong_rows(
+    const Level& level, const RigidBodyProlongation& links, std::span<const double> coarse, std::span<double> z) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t i = 0; i < z.size(); ++i) {
         if (level.aggregate[i] < 0) continue;
@@ -74,7 +76,8 @@ void prolong_rows(const Level& level, const RigidBodyProlongation& links, std::s
 }
 
 template <int D>
-void restrict_blocks(const Level& level, const RigidBodyProlongation& links, std::span<const double> t, std::span<double> coarse) {
+void restrict_blocks(
+    const Level& level, const RigidBodyProlongation& links, std::span<const double> t, std::span<double> coarse) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t n = 0; modes * n < t.size(); ++n) {
         if (level.aggregate[modes * n] < 0) continue;
@@ -89,7 +92,8 @@ void restrict_blocks(const Level& level, const RigidBodyProlongation& links, std
 }
 
 template <int D>
-void prolong_blocks(const Level& level, const RigidBodyProlongation& links, std::span<const double> coarse, std::span<double> z) {
+void prolong_blocks(
+    const Level& level, const RigidBodyProlongation& links, std::span<const double> coarse, std::span<double> z) {
     constexpr auto modes = static_cast<std::size_t>(rigid_modes(D));
     for (std::size_t n = 0; modes * n < z.size(); ++n) {
         if (level.aggregate[modes * n] < 0) continue;
@@ -177,7 +181,8 @@ void DisconnectedSplit::split(Level& level, int joined) {
             const Index from = root(i);
             if (joined > 1 && alone(level, i, joined)) {
                 std::fill_n(level.aggregate.begin() + i, joined, -1);
-            } else if (!pieces_.empty() && pieces_.back().end == i && pieces_.back().root == from && pieces_.back().key == run.key) {
+            } else if (!pieces_.empty() && pieces_.back().end == i && pieces_.back().root == from &&
+                       pieces_.back().key == run.key) {
                 pieces_.back().end += joined;
             } else {
                 pieces_.push_back({run.key, from, i, i + joined});
@@ -197,13 +202,14 @@ void DisconnectedSplit::split(Level& level, int joined) {
         }
         level.runs.push_back({piece.key, piece.begin, piece.end});
         std::fill(level.aggregate.begin() + piece.begin, level.aggregate.begin() + piece.end,
-                  static_cast<Index>(level.group.size()) - 1);
+            static_cast<Index>(level.group.size()) - 1);
     }
     level.group.push_back(static_cast<Index>(pieces_.size()));
 }
 
 // Centres are the means of what the aggregates hold.
-void RigidCoarsener::find_arms(const Level& level, std::span<const double> places, RigidBodyProlongation& links, CoarseRows& made) {
+void RigidCoarsener::find_arms(
+    const Level& level, std::span<const double> places, RigidBodyProlongation& links, CoarseRows& made) {
     const std::size_t step = links.finest ? 1 : static_cast<std::size_t>(modes_);
     const auto aggregates = static_cast<std::size_t>(level.aggregates());
     made.centres.assign(3 * aggregates, 0.0);
@@ -254,8 +260,10 @@ void RigidCoarsener::gather_arms(const Comm& comm, Level& level, const RigidBody
         halo_arms_.resize(3 * around.size());
         halo_axes_.resize(around.size());
         for (std::size_t i = 0; i < around.size(); ++i) {
-            if (k < 3) halo_arms_[3 * i + k] = around[i];
-            else halo_axes_[i] = static_cast<signed char>(around[i]);
+            if (k < 3)
+                halo_arms_[3 * i + k] = around[i];
+            else
+                halo_axes_[i] = static_cast<signed char>(around[i]);
         }
     }
 }
@@ -331,10 +339,12 @@ void RigidCoarsener::add_blocks(const Level& level, const RigidBodyProlongation&
             if (place >= 0) add(part, e - begin, place, turn<D>(arm_of(column / m)));
         }
     };
-    each(level.own(), [&](std::size_t column) { return level.aggregate[column]; },
-         [&](std::size_t other) { return &links.arms[3 * other]; });
-    each(level.other(), [&](std::size_t column) { return places_.of_halo()[column]; },
-         [&](std::size_t other) { return &halo_arms_[3 * other]; });
+    each(
+        level.own(), [&](std::size_t column) { return level.aggregate[column]; },
+        [&](std::size_t other) { return &links.arms[3 * other]; });
+    each(
+        level.other(), [&](std::size_t column) { return places_.of_halo()[column]; },
+        [&](std::size_t other) { return &halo_arms_[3 * other]; });
 }
 
 template <int D>
@@ -360,7 +370,8 @@ void RigidCoarsener::end_rows(double divisor, CoarseRows& made) {
 }
 
 template <int D>
-void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidBodyProlongation& links, CoarseRows& made) {
+void RigidCoarsener::make_rows(
+    const Level& level, double divisor, const RigidBodyProlongation& links, CoarseRows& made) {
     constexpr int modes = rigid_modes(D);
     for (std::size_t a = 0; a < static_cast<std::size_t>(level.aggregates()); ++a) {
         for (auto k = static_cast<std::size_t>(level.group[a]); k < static_cast<std::size_t>(level.group[a + 1]); ++k) {
@@ -378,7 +389,7 @@ void RigidCoarsener::make_rows(const Level& level, double divisor, const RigidBo
 }
 
 void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double> places, double divisor,
-                          RigidBodyProlongation& links, CoarseRows& made) {
+    RigidBodyProlongation& links, CoarseRows& made) {
     modes_ = rigid_modes(links.dimensions);
     made.clear();
     made.block = modes_;
@@ -387,8 +398,10 @@ void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double
     met_places_.clear();
     find_arms(level, places, links, made);
     gather_arms(comm, level, links);
-    if (links.dimensions == 3) make_rows<3>(level, divisor, links, made);
-    else make_rows<2>(level, divisor, links, made);
+    if (links.dimensions == 3)
+        make_rows<3>(level, divisor, links, made);
+    else
+        make_rows<2>(level, divisor, links, made);
 }
 
 } // namespace treacle::solve

@@ -35,7 +35,7 @@ private:
 // each, or the motions of the aggregates of the level before.
 struct RigidBodyProlongation {
     int dimensions = 3;
-    bool finest = false;           // below are the rows of the matrix; the same on all ranks, also on those without rows
+    bool finest = false; // below are the rows of the matrix; the same on all ranks, also on those without rows
     std::vector<signed char> axes; // [rows], of the matrix; of coarse levels empty
     std::vector<double> arms;      // [rows or aggregates below][3], from the centre of the aggregate [widths]
 
@@ -50,8 +50,8 @@ class RigidCoarsener {
 public:
     // (RM2) Collective: P^T A P / divisor of a level whose rows have their aggregates; `places` [rows or aggregates below][3]
     // in widths. Fills links.arms and, of made, all but walls.
-    void make(const Comm& comm, Level& level, std::span<const double> places, double divisor, RigidBodyProlongation& links,
-              CoarseRows& made);
+    void make(const Comm& comm, Level& level, std::span<const double> places, double divisor,
+        RigidBodyProlongation& links, CoarseRows& made);
     Index first_made() const { return modes_ * places_.first(); } // global number of this rank's first made row
 
 private:
@@ -74,7 +74,7 @@ private:
     std::vector<Index> slot_;                  // where in blocks_ a place stands, -1: nowhere
     std::vector<std::pair<Index, Index>> met_; // global number and slot of the aggregates that one couples to
     std::vector<Index> met_places_;
-    std::vector<double> blocks_;          // [slots][modes][modes]
+    std::vector<double> blocks_; // [slots][modes][modes]
     std::vector<double> scratch_;
 };
 

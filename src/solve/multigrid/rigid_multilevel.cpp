@@ -13,7 +13,7 @@ namespace treacle::solve {
 
 namespace {
 constexpr int max_coarsening_levels = 20;
-constexpr double least_shrinkage = 0.7; // as in multilevel.cpp
+constexpr double least_shrinkage = 0.7;      // as in multilevel.cpp
 constexpr MortonKey no_cell = ~MortonKey{0}; // of rows that no coarse matrix has
 
 struct Stage {
@@ -57,7 +57,9 @@ struct RigidMultilevel::State {
     void coarsen_border(std::size_t depth);
     void factor_last();
     std::vector<double> block(std::size_t depth) const;
-    double overcorrection(std::size_t depth) const { return depth == 0 ? options->overcorrection : options->coarse_overcorrection; }
+    double overcorrection(std::size_t depth) const {
+        return depth == 0 ? options->overcorrection : options->coarse_overcorrection;
+    }
     Vector shift(std::size_t depth, Vector r, Vector q);
     void pull(std::size_t depth, Vector z, Vector border_r, Out left);
     std::vector<double> dense_r, dense_z;
@@ -118,15 +120,16 @@ bool RigidMultilevel::State::add_level(const Comm& comm, int dimensions, int& st
     links.dimensions = dimensions;
     const auto global_rows = modes * comm.sum(std::int64_t{level.aggregates()});
     if (global_rows == 0) return false;
-    coarsener.make(comm, level, used == 1 ? std::span<const double>(places) : level.centres, overcorrection(used - 1), links, made);
+    coarsener.make(comm, level, used == 1 ? std::span<const double>(places) : level.centres, overcorrection(used - 1),
+        links, made);
     const auto made_rows = static_cast<std::size_t>(made.rows());
     const int old_stride = stride;
-    stride = RankAgglomeration::wider(comm, stride, global_rows,
-                              global_rows <= options->max_coarse_size ? global_rows : options->min_rows_per_rank);
+    stride = RankAgglomeration::wider(
+        comm, stride, global_rows, global_rows <= options->max_coarse_size ? global_rows : options->min_rows_per_rank);
     agglomeration.move(comm, stride > old_stride ? stride : 1, coarsener.first_made(), made, dropped);
     auto& next = stages[used++].level;
-    next.take(comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})),
-              static_cast<Index>(global_rows));
+    next.take(
+        comm, made, static_cast<Index>(comm.exclusive_sum(std::int64_t{made.rows()})), static_cast<Index>(global_rows));
     agglomeration.connect(comm, next);
     made_r.resize(agglomeration.moved() ? made_rows : 0);
     made_z.resize(made_r.size());
@@ -137,11 +140,13 @@ bool RigidMultilevel::State::add_level(const Comm& comm, int dimensions, int& st
 void RigidMultilevel::State::coarsen_border(std::size_t depth) {
     auto& stage = stages[depth];
     auto& next = stages[depth + 1];
-    const auto rows = static_cast<std::size_t>(stage.level.rows), coarse_rows = static_cast<std::size_t>(next.level.rows);
+    const auto rows = static_cast<std::size_t>(stage.level.rows),
+               coarse_rows = static_cast<std::size_t>(next.level.rows);
     const bool moved = stage.agglomeration.moved();
     next.columns.resize(count() * coarse_rows);
     next.bordered.clear();
-    std::vector<double> unit(count()), fine(rows), made(moved ? stage.made_r.size() : coarse_rows), arrived(coarse_rows);
+    std::vector<double> unit(count()), fine(rows), made(moved ? stage.made_r.size() : coarse_rows),
+        arrived(coarse_rows);
     for (std::size_t k = 0; k < count(); ++k) {
         Vector column = Vector(stage.columns).subspan(depth == 0 ? 0 : k * rows, depth == 0 ? 0 : rows);
         if (depth == 0) {
@@ -155,7 +160,8 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
         stage.links.restrict_to(stage.level, column, made);
         if (moved) stage.agglomeration.down(made, arrived);
         const auto& from = moved ? arrived : made;
-        for (std::size_t i = 0; i < coarse_rows; ++i) next.columns[k * coarse_rows + i] = from[i] / overcorrection(depth);
+        for (std::size_t i = 0; i < coarse_rows; ++i)
+            next.columns[k * coarse_rows + i] = from[i] / overcorrection(depth);
     }
     for (std::size_t i = 0; i < coarse_rows; ++i) {
         bool reached = false;
@@ -179,8 +185,10 @@ void RigidMultilevel::State::factor_last() {
         if (direct) dense.factor(last.level);
         return;
     }
-    if (direct) dense.factor(last.level, last.columns, block(used - 1), count());
-    else dense.factor(Level(), {}, block(used - 1), count());
+    if (direct)
+        dense.factor(last.level, last.columns, block(used - 1), count());
+    else
+        dense.factor(Level(), {}, block(used - 1), count());
 }
 
 // r - C q
@@ -273,7 +281,8 @@ void RigidMultilevel::State::solve_last(Vector r, Vector border_r, Out z, Out bo
 
 // Sweeps pass over the border's unknowns; the levels below and the direct solution set them. `left`, unless null,
 // becomes r - C q - A z.
-void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r, Out z, Out border_z, std::vector<double>* left) {
+void RigidMultilevel::State::cycle(
+    std::size_t depth, Vector r, Vector border_r, Out z, Out border_z, std::vector<double>* left) {
     auto& stage = stages[depth];
     auto& level = stage.level;
     const bool last = depth + 1 == used;
@@ -291,8 +300,10 @@ void RigidMultilevel::State::cycle(std::size_t depth, Vector r, Vector border_r,
         solve_last({}, stage.border_r, {}, border_z);
     }
     const auto right = shift(depth, r, border_z);
-    if (left) level.sweep_backward(right, z, *left);
-    else level.sweep_backward(right, z);
+    if (left)
+        level.sweep_backward(right, z, *left);
+    else
+        level.sweep_backward(right, z);
 }
 
 namespace {
@@ -342,7 +353,7 @@ std::vector<LevelSize> RigidMultilevel::sizes() const {
     for (std::size_t k = 0; k < state_->used; ++k) {
         const auto& level = state_->stages[k].level;
         sizes.push_back({comm_.sum(std::int64_t{level.rows}), comm_.sum(level.entries()),
-                         static_cast<int>(comm_.sum(std::int64_t{level.rows > 0}))});
+            static_cast<int>(comm_.sum(std::int64_t{level.rows > 0}))});
     }
     return sizes;
 }
@@ -351,7 +362,8 @@ std::size_t RigidMultilevel::bytes() const {
     std::size_t total = state_->dense.bytes() + 8 * state_->places.capacity();
     for (const auto& stage : state_->stages) {
         total += stage.level.bytes() + stage.links.bytes() + stage.agglomeration.bytes() +
-                 8 * (stage.made_r.capacity() + stage.made_z.capacity() + stage.columns.capacity() + stage.shifted.capacity()) +
+                 8 * (stage.made_r.capacity() + stage.made_z.capacity() + stage.columns.capacity() +
+                         stage.shifted.capacity()) +
                  sizeof(Index) * stage.bordered.capacity();
     }
     return total;

@@ -13,17 +13,17 @@ struct RigidMultilevelOptions {
     int box = 3, small_aggregate_width = 2;
     int small_rows = 200000;
     Cycle cycle = Cycle::w;
-    int max_coarse_size = 300;        // most unknowns that are solved for directly
-    int min_rows_per_rank = 1000;    // levels with fewer on average are gathered onto every eighth rank
+    int max_coarse_size = 300;    // most unknowns that are solved for directly
+    int min_rows_per_rank = 1000; // levels with fewer on average are gathered onto every eighth rank
 };
 
 // Rows of the matrix: components of a velocity at positions. Cells are integer coordinates from -2^20 to 2^20 - 1.
 struct VelocityRows {
     int dimensions = 3;
-    double width = 1;                     // of a cell, the unit of length of the rotations
-    std::span<const int> cells;           // [rows][3]
-    std::span<const double> places;       // [rows][3]; of periodic axes any image, if only it is near its cell's
-    std::span<const signed char> axes;    // [rows], 0 … dimensions - 1
+    double width = 1;                  // of a cell, the unit of length of the rotations
+    std::span<const int> cells;        // [rows][3]
+    std::span<const double> places;    // [rows][3]; of periodic axes any image, if only it is near its cell's
+    std::span<const signed char> axes; // [rows], 0 … dimensions - 1
     // [rows], 1 where a row is left to the sweeps, as if no coarse matrix had it: stiff ones beside walls; or empty.
     std::span<const unsigned char> aside{};
 };
@@ -33,9 +33,9 @@ struct VelocityRows {
 // high-viscosity liquid moves with it.
 struct BorderedBodies {
     int count = 0;
-    std::function<void(std::span<const double> q, std::span<double> y)> add;      // y += C q on this rank's rows
-    std::function<std::vector<double>(std::span<const double> x)> project;        // C^T x of this rank's rows
-    std::vector<double> block;                                                    // G [count][count], on all ranks
+    std::function<void(std::span<const double> q, std::span<double> y)> add; // y += C q on this rank's rows
+    std::function<std::vector<double>(std::span<const double> x)> project;   // C^T x of this rank's rows
+    std::vector<double> block;                                               // G [count][count], on all ranks
 };
 
 // A multilevel preconditioner of matrices that hardly resist rigid motions, such as those of viscous flow or elasticity:

@@ -38,8 +38,8 @@ void BlockMatrix::append(const BlockRows& rows, Index block, int line) {
         const bool mine = rows.owns(column);
         const auto place =
             mine ? column - rows.first
-                 : static_cast<Index>(std::lower_bound(halo_columns_.begin(), halo_columns_.end(), column) -
-                                      halo_columns_.begin());
+                 : static_cast<Index>(
+                       std::lower_bound(halo_columns_.begin(), halo_columns_.end(), column) - halo_columns_.begin());
         const double* values =
             &rows.values[static_cast<std::size_t>(entry) * std::size_t(m * m) + std::size_t(m * line)];
         Part& part = mine ? own_ : other_;
@@ -55,9 +55,8 @@ void BlockMatrix::build(const Comm& comm, const BlockRows& rows) {
     matrix_.reset();
     comm.guard([&] {
         if (rows.values.size() <= static_cast<std::size_t>(std::numeric_limits<Index>::max())) return;
-        throw SimulationError(
-            {"assembled matrix", std::to_string(rows.values.size()) + " entries on one rank",
-             "their numbers have 32 bits", "take more ranks, or products without a matrix"});
+        throw SimulationError({"assembled matrix", std::to_string(rows.values.size()) + " entries on one rank",
+            "their numbers have 32 bits", "take more ranks, or products without a matrix"});
     });
     connect(comm, rows);
     const auto lines = std::size_t(rows.size) * static_cast<std::size_t>(rows.rows());
@@ -66,16 +65,8 @@ void BlockMatrix::build(const Comm& comm, const BlockRows& rows) {
     for (Index block = 0; block < rows.rows(); ++block) {
         for (int line = 0; line < rows.size; ++line) append(rows, block, line);
     }
-    blocks_ = {own_.offsets.data(),
-               own_.columns.data(),
-               own_.values.data(),
-               other_.offsets.data(),
-               other_.columns.data(),
-               other_.values.data(),
-               &halo_,
-               rows.size * rows.first,
-               static_cast<Index>(lines),
-               0};
+    blocks_ = {own_.offsets.data(), own_.columns.data(), own_.values.data(), other_.offsets.data(),
+        other_.columns.data(), other_.values.data(), &halo_, rows.size * rows.first, static_cast<Index>(lines), 0};
     blocks_.global_rows = static_cast<Index>(comm.sum(std::int64_t(lines)));
     matrix_.emplace(comm, blocks_);
 }

@@ -1,7 +1,7 @@
 #include "solve/rows/matrix.hpp"
 
-#include "solve/rows/sparse_dot.hpp"
 #include "solve/rows/petsc.hpp"
+#include "solve/rows/sparse_dot.hpp"
 
 #include <cassert>
 #include <stdexcept>
@@ -72,8 +72,7 @@ void check_pattern(const CsrBlocks& given) {
         refuse(blocks, 0, "this rank's rows are not within the matrix");
     }
     if (blocks.halo) check_halo(blocks);
-    if (blocks.diagonal_offsets[0] != 0 || blocks.off_offsets[0] != 0)
-        refuse(blocks, 0, "offsets start at 0");
+    if (blocks.diagonal_offsets[0] != 0 || blocks.off_offsets[0] != 0) refuse(blocks, 0, "offsets start at 0");
     for (Index row = 0; row < blocks.rows; ++row) {
         if (blocks.diagonal_offsets[row + 1] < blocks.diagonal_offsets[row] ||
             blocks.off_offsets[row + 1] < blocks.off_offsets[row]) {
@@ -117,17 +116,17 @@ Matrix::Native& Matrix::native() {
     const CsrBlocks& blocks = blocks_;
     if (comm_.size() == 1) {
         check(MatCreateSeqAIJWithArrays(group, rows_, rows_, blocks.diagonal_offsets, blocks.diagonal_columns,
-                                        blocks.diagonal_values, native_->mat.out()));
+            blocks.diagonal_values, native_->mat.out()));
     } else {
         auto& columns = native_->off_columns; // PETSc takes global numbers, and overwrites them
         columns.resize(static_cast<std::size_t>(blocks.off_offsets[rows_]) + 1);
         for (Index k = 0; k < blocks.off_offsets[rows_]; ++k) {
-            columns[static_cast<std::size_t>(k)] = blocks.halo->columns()[static_cast<std::size_t>(blocks.off_columns[k])];
+            columns[static_cast<std::size_t>(k)] =
+                blocks.halo->columns()[static_cast<std::size_t>(blocks.off_columns[k])];
         }
-        check(MatCreateMPIAIJWithSplitArrays(group, rows_, rows_, global_rows_, global_rows_,
-                                             blocks.diagonal_offsets, blocks.diagonal_columns,
-                                             blocks.diagonal_values, blocks.off_offsets, columns.data(),
-                                             blocks.off_values, native_->mat.out()));
+        check(MatCreateMPIAIJWithSplitArrays(group, rows_, rows_, global_rows_, global_rows_, blocks.diagonal_offsets,
+            blocks.diagonal_columns, blocks.diagonal_values, blocks.off_offsets, columns.data(), blocks.off_values,
+            native_->mat.out()));
     }
     if (symmetric_) {
         check(MatSetOption(native_->mat, MAT_SYMMETRIC, PETSC_TRUE));
@@ -149,8 +148,8 @@ void Matrix::multiply(std::span<const double> x, std::span<double> y) const {
     const CsrBlocks& a = blocks_;
     if (a.halo) a.halo->start(x);
     for (Index i = 0; i < rows_; ++i) {
-        y[static_cast<std::size_t>(i)] =
-            sparse_dot(a.diagonal_columns, a.diagonal_values, a.diagonal_offsets[i], a.diagonal_offsets[i + 1], x.data());
+        y[static_cast<std::size_t>(i)] = sparse_dot(
+            a.diagonal_columns, a.diagonal_values, a.diagonal_offsets[i], a.diagonal_offsets[i + 1], x.data());
     }
     if (a.halo) {
         const auto around = a.halo->finish();

@@ -19,12 +19,12 @@ struct CsrBlocks {
     Index* diagonal_offsets = nullptr; // [rows + 1], from 0
     Index* diagonal_columns = nullptr; // local: 0 … rows - 1
     double* diagonal_values = nullptr; // [diagonal_offsets[rows]]
-    Index* off_offsets = nullptr; // [rows + 1], from 0
-    Index* off_columns = nullptr; // places in halo->columns()
-    double* off_values = nullptr; // [off_offsets[rows]]
-    RowHalo* halo = nullptr; // connected to the other ranks' columns; null: nothing to exchange
-    Index first_row = 0; // global number of this rank's first row
-    Index rows = 0;      // rows on this rank, may be 0
+    Index* off_offsets = nullptr;      // [rows + 1], from 0
+    Index* off_columns = nullptr;      // places in halo->columns()
+    double* off_values = nullptr;      // [off_offsets[rows]]
+    RowHalo* halo = nullptr;           // connected to the other ranks' columns; null: nothing to exchange
+    Index first_row = 0;               // global number of this rank's first row
+    Index rows = 0;                    // rows on this rank, may be 0
     Index global_rows = 0;
 };
 

@@ -16,13 +16,13 @@ namespace {
 std::string last_error;
 
 PetscErrorCode remember(MPI_Comm, int line, const char* function, const char* file, PetscErrorCode code,
-                        PetscErrorType type, const char* message, void*) {
+    PetscErrorType type, const char* message, void*) {
     if (type == PETSC_ERROR_INITIAL) {
         const char* general = nullptr;
         PetscErrorMessage(code, &general, nullptr);
         std::ostringstream text;
-        text << (general ? general : "error") << ": " << (message ? message : "") << " (" << function << ", "
-             << file << ":" << line << ")";
+        text << (general ? general : "error") << ": " << (message ? message : "") << " (" << function << ", " << file
+             << ":" << line << ")";
         last_error = text.str();
     }
     return code;
@@ -32,8 +32,8 @@ std::vector<std::string> words_of(const std::string& options) {
     auto words = split_words(options);
     if (!words.empty() && words.front().front() != '-') {
         throw InputError({"--petsc", "'" + words.front() + "' is not an option",
-                          "each PETSc option starts with '-' and has at most one value",
-                          "write for example --petsc \"-pressure_pc_type sor\""});
+            "each PETSc option starts with '-' and has at most one value",
+            "write for example --petsc \"-pressure_pc_type sor\""});
     }
     return words;
 }
@@ -45,13 +45,12 @@ void check(PetscErrorCode code) {
     const std::string text = last_error.empty() ? "code " + std::to_string(code) : last_error;
     last_error.clear();
     if (code == PETSC_ERR_MEM) {
-        throw Error(
-            ExitCode::out_of_memory,
+        throw Error(ExitCode::out_of_memory,
             Diagnostic{"PETSc", "out of memory", text, "use more machines or a coarser spacing"}.text());
     }
     if (code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_USER_INPUT) {
         throw InputError({"PETSc", "an option has a value that PETSc does not know", text,
-                          "correct the options given by --petsc or PETSC_OPTIONS"});
+            "correct the options given by --petsc or PETSC_OPTIONS"});
     }
     throw SimulationError({"PETSc", "the linear algebra failed", text, ""});
 }

@@ -28,7 +28,7 @@ void SoftPairs::build(const CsrBlocks& matrix, std::span<const unsigned char> as
             if (!(cosine > least_cosine) || !(1 - cosine > round_off)) return;
             const double scale = 1 / std::sqrt(2 * (1 - cosine));
             pairs_.push_back({static_cast<Index>(i), static_cast<Index>(j), scale / std::sqrt(diagonal[i]),
-                              -std::copysign(scale / std::sqrt(diagonal[j]), value)});
+                -std::copysign(scale / std::sqrt(diagonal[j]), value)});
         });
     }
 }

@@ -72,27 +72,25 @@ double wall_packing(const PressureOptions& options, int dimensions) {
 }
 
 void compute_density(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                     const SolidParticles& solid, const Neighbourhood& neighbours) {
+    const SolidParticles& solid, const Neighbourhood& neighbours) {
     pack_positions(liquid, liquid.pressure());
     const auto fluid = make_views(constants, liquid, solid, neighbours);
     const NumberKernel number(constants.support, constants.spacing);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::density", fluid.count,
-                             DensityLoop<Kernel>{kernel, number, options.density, fluid,
-                                                 relative_density(constants, liquid), liquid.density(),
-                                                 liquid.blended_density(), liquid.volume()});
+            DensityLoop<Kernel>{kernel, number, options.density, fluid, relative_density(constants, liquid),
+                liquid.density(), liquid.blended_density(), liquid.volume()});
     });
 }
 
 void compute_solid_volumes(const SphOptions& options, const Constants& constants, SolidParticles& solid,
-                           const NeighbourList& list, const MomentReferencePoints& points) {
+    const NeighbourList& list, const MomentReferencePoints& points) {
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        Kokkos::parallel_for(
-            "treacle::solid_volumes", solid.store.owned(),
-            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points,
-                                    constants.wall_packing, solid.body(), solid.volume()});
+        Kokkos::parallel_for("treacle::solid_volumes", solid.store.owned(),
+            SolidVolumeLoop<Kernel>{kernel, pairs(list, solid.store, solid.store), points, constants.wall_packing,
+                solid.body(), solid.volume()});
     });
 }
 
@@ -101,12 +99,14 @@ Compression measure_compression(const Constants& constants, const LiquidParticle
     const auto rho = liquid.density();
     const double rest = constants.rest_density;
     const auto relative = relative_density(constants, liquid);
-    Kokkos::parallel_reduce("treacle::compression", liquid.store.owned(),
+    Kokkos::parallel_reduce(
+        "treacle::compression", liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& sum, double& most) {
             const double error = math::max(0.0, rho(i) / (rest * relative(i)) - 1);
             sum += error;
             most = math::max(most, error);
-        }, Kokkos::Sum<double>(out.sum), Kokkos::Max<double>(out.max));
+        },
+        Kokkos::Sum<double>(out.sum), Kokkos::Max<double>(out.max));
     if (liquid.store.owned() == 0) out.max = 0;
     return out;
 }

@@ -22,7 +22,8 @@ struct ForceLoop {
         SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
         const double soft = 0.01 * c.support * c.support;
         // Densities of pairs are the rest density here: the liquid is incompressible, and a division less counts.
-        const double pair_viscosity = 2 * (Kernel::dimensions + 2) * liquids.scale() / (c.rest_density * c.rest_density);
+        const double pair_viscosity =
+            2 * (Kernel::dimensions + 2) * liquids.scale() / (c.rest_density * c.rest_density);
         const double pair_artificial_viscosity = artificial / c.rest_density;
         const double ux = u(i, 0), uy = u(i, 1), uz = u(i, 2);
         if (artificial > 0 || viscosity > 0) {
@@ -33,9 +34,10 @@ struct ForceLoop {
                 const auto v = fluid.motions(row, k);
                 const auto along = distance(d.r2);
                 const SimdDouble approach = (ux - v.x) * d.x + (uy - v.y) * d.y + (uz - v.z) * d.z;
-                const SimdDouble drag = partners.drag(row.index + k, pair_viscosity, pair_artificial_viscosity, approach);
-                const SimdDouble f = row.within(k, c.mass * drag * inverse(d.r2 + soft) *
-                                                  kernel.gradient(along.r, along.inverse));
+                const SimdDouble drag =
+                    partners.drag(row.index + k, pair_viscosity, pair_artificial_viscosity, approach);
+                const SimdDouble f =
+                    row.within(k, c.mass * drag * inverse(d.r2 + soft) * kernel.gradient(along.r, along.inverse));
                 fx = fx + f * d.x;
                 fy = fy + f * d.y;
                 fz = fz + f * d.z;
@@ -81,8 +83,8 @@ struct PressureForceLoop {
         for (int k = 0; k < row.count; k += lanes) {
             const auto d = row.near(k);
             const auto along = distance(d.r2);
-            const SimdDouble f = row.within(k, -c.mass * partners.loads(row.index + k, own, d.number) *
-                                              kernel.gradient(along.r, along.inverse));
+            const SimdDouble f = row.within(
+                k, -c.mass * partners.loads(row.index + k, own, d.number) * kernel.gradient(along.r, along.inverse));
             fx = fx + f * d.x;
             fy = fy + f * d.y;
             fz = fz + f * d.z;
@@ -91,8 +93,7 @@ struct PressureForceLoop {
         if (own > 0) {
             const double load = fluid.constants.wall_pressure_factor * own / liquids.density(i);
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-                const double f =
-                    -c.rest_density * fluid.solid_volume(s) * load * kernel.gradient(math::sqrt(r2));
+                const double f = -c.rest_density * fluid.solid_volume(s) * load * kernel.gradient(math::sqrt(r2));
                 ax += f * dx;
                 ay += f * dy;
                 az += f * dz;
@@ -144,13 +145,13 @@ struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
         const Constants& c = fluid.constants;
         const auto &u = fluid.velocity, &v = fluid.solid_velocity;
         const double soft = 0.01 * c.support * c.support;
-        const double pair_viscosity = 2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density);
+        const double pair_viscosity =
+            2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density);
         const double pair_artificial_viscosity = artificial / c.rest_density * liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double grip = friction(fluid.solid_body(s));
             if (grip == 0) return;
-            const double approach =
-                (u(i, 0) - v(s, 0)) * dx + (u(i, 1) - v(s, 1)) * dy + (u(i, 2) - v(s, 2)) * dz;
+            const double approach = (u(i, 0) - v(s, 0)) * dx + (u(i, 1) - v(s, 1)) * dy + (u(i, 2) - v(s, 2)) * dz;
             const double drag = pair_viscosity * approach + pair_artificial_viscosity * math::min(approach, 0.0);
             const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
             const double f = -c.mass * mass * drag / (r2 + soft) * Base::kernel.gradient(math::sqrt(r2));
@@ -186,13 +187,15 @@ struct XsphLoop {
 
 void accelerate(const LiquidParticles& liquid, double dt) {
     const auto u = liquid.velocity(), a = liquid.acceleration();
-    Kokkos::parallel_for("treacle::accelerate", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) u(i, k) += dt * a(i, k);
-    });
+    Kokkos::parallel_for(
+        "treacle::accelerate", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) u(i, k) += dt * a(i, k);
+        });
 }
 } // namespace
 
-BodyLoads apply_forces(const StepContext& parts, const ForceOptions& forces, double dt, const MomentReferencePoints& points) {
+BodyLoads apply_forces(
+    const StepContext& parts, const ForceOptions& forces, double dt, const MomentReferencePoints& points) {
     const auto& options = parts.options;
     const auto& constants = parts.constants;
     auto& liquid = parts.liquid;
@@ -202,21 +205,21 @@ BodyLoads apply_forces(const StepContext& parts, const ForceOptions& forces, dou
     const auto& g = forces.gravity;
     const auto friction = upload(forces.friction);
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
-    bool no_slip = (forces.artificial > 0 || forces.viscosity > 0) && parts.neighbours.solid.size > 0 && points.count > 0;
+    bool no_slip =
+        (forces.artificial > 0 || forces.viscosity > 0) && parts.neighbours.solid.size > 0 && points.count > 0;
     no_slip = no_slip && std::any_of(forces.friction.begin(), forces.friction.end(), [](double f) { return f > 0; });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         with_liquids(constants.immiscible, liquid.liquid(), forces.viscosity, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::forces", fluid.count,
-                                 ForceLoop<Kernel, Liquids>{kernel, liquids, fluid, {g[0], g[1], g[2]},
-                                                            forces.artificial, forces.viscosity, friction,
-                                                            liquid.acceleration()});
+                ForceLoop<Kernel, Liquids>{kernel, liquids, fluid, {g[0], g[1], g[2]}, forces.artificial,
+                    forces.viscosity, friction, liquid.acceleration()});
             if (!no_slip) return;
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel, Liquids>{{{loads.size()}, kernel, fluid, points},
-                                                                     liquids, forces.artificial, friction},
-                                    host_sums(loads));
+                ViscousLoadLoop<Kernel, Liquids>{
+                    {{loads.size()}, kernel, fluid, points}, liquids, forces.artificial, friction},
+                host_sums(loads));
         });
     });
     accelerate(liquid, dt);
@@ -238,10 +241,11 @@ double viscous_step_limit(const ViscosityOptions& options, const Constants& cons
 void compute_pressure_over_density2(const Constants& constants, LiquidParticles& liquid) {
     const auto load = liquid.load(), p = liquid.pressure(), volume = liquid.volume();
     const double inverse_mass = 1 / constants.mass;
-    Kokkos::parallel_for("treacle::loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double specific = volume(i) * inverse_mass;
-        load(i) = p(i) * specific * specific;
-    });
+    Kokkos::parallel_for(
+        "treacle::loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            const double specific = volume(i) * inverse_mass;
+            load(i) = p(i) * specific * specific;
+        });
 }
 
 BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& points, double dt) {
@@ -255,27 +259,25 @@ BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& 
         with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                                 PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
+                PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
         });
         if (parts.neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
-                                    BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points},
-                                    host_sums(loads));
+                BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points}, host_sums(loads));
         }
     });
     return loads;
 }
 
 void compute_xsph(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                  const SolidParticles& solid, const Neighbourhood& neighbours) {
+    const SolidParticles& solid, const Neighbourhood& neighbours) {
     const auto fluid = make_views(constants, liquid, solid, neighbours);
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::xsph", fluid.count,
-                                 XsphLoop<Kernel, Liquids>{kernel, liquids, fluid, options.viscosity.xsph,
-                                                           liquid.acceleration()});
+                XsphLoop<Kernel, Liquids>{kernel, liquids, fluid, options.viscosity.xsph, liquid.acceleration()});
         });
     });
 }

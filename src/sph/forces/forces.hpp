@@ -10,15 +10,15 @@ namespace treacle::sph {
 
 // Explicit accelerations before the pressure solve.
 struct ForceOptions {
-    Vec3 gravity{0, 0, 0};         // [m/s2]
-    double artificial = 0;         // alpha h c of Monaghan 1992 [m2/s]
-    double viscosity = 0;          // dynamic [Pa s]; of several liquids: as of one of the first one's density that limits
-                                   // the step as much (largest_kinematic_viscosity)
-    double surface_tension = 0;            // of all liquids against air [N/m]
-    std::vector<double> friction;          // per body: 0 free slip, 1 no slip
-    std::vector<double> skin_friction;     // per body: c_f
-    std::vector<double> slip_length;       // per body [m]; 0: by `friction`
-    bool by_particle = false;              // viscosities are those of the particles, not of their liquids
+    Vec3 gravity{0, 0, 0};      // [m/s2]
+    double artificial = 0;      // alpha h c of Monaghan 1992 [m2/s]
+    double viscosity = 0;       // dynamic [Pa s]; of several liquids: as of one of the first one's density that limits
+                                // the step as much (largest_kinematic_viscosity)
+    double surface_tension = 0; // of all liquids against air [N/m]
+    std::vector<double> friction;               // per body: 0 free slip, 1 no slip
+    std::vector<double> skin_friction;          // per body: c_f
+    std::vector<double> slip_length;            // per body [m]; 0: by `friction`
+    bool by_particle = false;                   // viscosities are those of the particles, not of their liquids
     std::vector<flow::ViscosityModel> rheology; // per liquid; empty: no viscosity depends on the shear rate
 };
 
@@ -30,7 +30,8 @@ using BodyLoads = std::vector<double>;
 // u* = u + dt a for the owned particles. Explicit: stable for dt <= viscous_step_limit(). Returns this rank's share
 // of the viscous forces on the bodies, equal and opposite; none when `points` are not given. Liquids that differ act on
 // each other by the harmonic means of their viscosities and, in the artificial one, of their densities.
-BodyLoads apply_forces(const StepContext& parts, const ForceOptions& forces, double dt, const MomentReferencePoints& points = 0);
+BodyLoads apply_forces(
+    const StepContext& parts, const ForceOptions& forces, double dt, const MomentReferencePoints& points = 0);
 
 // Largest step of the explicit viscosity, 0.125 h^2 rho / mu (Morris et al. 1997) [s].
 double viscous_step_limit(const Constants& constants, double viscosity);
@@ -49,6 +50,6 @@ BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& 
 // XSPH (Monaghan 1989): writes epsilon sum_j (V_i + V_j)/2 (u_j - u_i) W to the acceleration field as a velocity
 // correction [m/s]. Ghost velocities must be current.
 void compute_xsph(const SphOptions& options, const Constants& constants, LiquidParticles& liquid,
-                  const SolidParticles& solid, const Neighbourhood& neighbours);
+    const SolidParticles& solid, const Neighbourhood& neighbours);
 
 } // namespace treacle::sph

@@ -16,8 +16,8 @@ int buffer_layers(const Constants& constants) {
 
 flow::Layers layers_of(const Constants& constants) { return {constants.spacing, buffer_layers(constants)}; }
 
-Inflow::Inflow(const flow::InflowSetup& setup, const Constants& constants, const DomainBox& domain,
-               LiquidParticles& liquid)
+Inflow::Inflow(
+    const flow::InflowSetup& setup, const Constants& constants, const DomainBox& domain, LiquidParticles& liquid)
     : source_(setup, layers_of(constants), domain), domain_(domain), made_(setup.inlets.size(), 0),
       prescribed_("treacle::inlets", numbers * setup.inlets.size()) {
     liquid.add_inlets();
@@ -34,10 +34,11 @@ Inflow::Inflow(const flow::InflowSetup& setup, const Constants& constants, const
 }
 
 void Inflow::emit(LiquidParticles& liquid, const Decomposition& decomposition) {
-    const flow::InletEmitter::Fields fields{liquid.velocity_field(), liquid.liquid_field(), liquid.viscosity_field(),
-                                           liquid.inlet_field()};
+    const flow::InletEmitter::Fields fields{
+        liquid.velocity_field(), liquid.liquid_field(), liquid.viscosity_field(), liquid.inlet_field()};
     for (std::size_t q = 0; q < made_.size(); ++q) {
-        for (const auto due = layers_until(source_.setup().inlets[q], source_.layers(), time_); made_[q] < due; ++made_[q]) {
+        for (const auto due = layers_until(source_.setup().inlets[q], source_.layers(), time_); made_[q] < due;
+             ++made_[q]) {
             source_.add(liquid.store, fields, decomposition.grid(), decomposition.box(), {q, made_[q], time_});
         }
     }
@@ -128,7 +129,9 @@ struct Drain {
     DomainBox domain;
     flow::Outlets outlets;
 
-    KOKKOS_INLINE_FUNCTION bool lets_go(int side) const { return domain.open[side] == static_cast<int>(LossCause::outflow); }
+    KOKKOS_INLINE_FUNCTION bool lets_go(int side) const {
+        return domain.open[side] == static_cast<int>(LossCause::outflow);
+    }
     KOKKOS_INLINE_FUNCTION bool beyond_such_a_side(const double x[3]) const {
         bool out = false;
         for (int k = 0; k < domain.dimensions; ++k) {
@@ -153,8 +156,8 @@ int remove_outflow(const DomainBox& domain, const flow::Outlets& outlets, Liquid
     const int n = liquid.store.owned();
     int gone = 0;
     Kokkos::parallel_reduce(
-        "treacle::count_outflow", n,
-        KOKKOS_LAMBDA(int i, int& sum) { sum += static_cast<int>(drain.takes(x, i)); }, gone);
+        "treacle::count_outflow", n, KOKKOS_LAMBDA(int i, int& sum) { sum += static_cast<int>(drain.takes(x, i)); },
+        gone);
     if (gone == 0) return 0;
     const auto keep = liquid.component(); // not in use between steps
     Kokkos::parallel_scan(

@@ -22,8 +22,8 @@ flow::Layers layers_of(const Constants& constants); // one particle spacing apar
 class Inflow {
 public:
     // Declares the field of buffer particles.
-    Inflow(const flow::InflowSetup& setup, const Constants& constants, const DomainBox& domain,
-           LiquidParticles& liquid);
+    Inflow(
+        const flow::InflowSetup& setup, const Constants& constants, const DomainBox& domain, LiquidParticles& liquid);
 
     // Puts in the layers that are due at the present time, those of this rank's cells. Ghosts are dropped.
     void emit(LiquidParticles& liquid, const Decomposition& decomposition);
@@ -45,7 +45,7 @@ public:
 private:
     flow::InletEmitter source_;
     DomainBox domain_;
-    std::vector<std::int64_t> made_; // layers of each inlet so far
+    std::vector<std::int64_t> made_;                 // layers of each inlet so far
     Array<double> prescribed_{"treacle::inlets", 0}; // [inlets][9] velocity, centre, direction
     double time_ = 0;                                // [s]
 };

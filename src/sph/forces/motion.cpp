@@ -42,19 +42,22 @@ DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid,
     const auto x = liquid.position(), u = liquid.velocity(), correction = liquid.acceleration();
     const double share = use_correction == Use::yes ? 1 : 0;
     DepartureCounts out;
-    Kokkos::parallel_reduce("treacle::move", liquid.store.owned(), KOKKOS_LAMBDA(int i, int& lost, int& outflow) {
-        double to[3], speed[3];
-        for (int k = 0; k < 3; ++k) {
-            speed[k] = u(i, k);
-            const double extra = share > 0 ? correction(i, k) : 0;
-            to[k] = domain.wrap(k, x(i, k) + dt * (speed[k] + extra));
-            x(i, k) = to[k];
-        }
-        if (clearly_inside(domain, to, speed)) return;
-        const auto cause = loss_of(domain, x, u, i);
-        outflow += static_cast<int>(cause == LossCause::outflow);
-        lost += static_cast<int>(cause != LossCause::none && cause != LossCause::outflow);
-    }, out.lost, out.outflow);
+    Kokkos::parallel_reduce(
+        "treacle::move", liquid.store.owned(),
+        KOKKOS_LAMBDA(int i, int& lost, int& outflow) {
+            double to[3], speed[3];
+            for (int k = 0; k < 3; ++k) {
+                speed[k] = u(i, k);
+                const double extra = share > 0 ? correction(i, k) : 0;
+                to[k] = domain.wrap(k, x(i, k) + dt * (speed[k] + extra));
+                x(i, k) = to[k];
+            }
+            if (clearly_inside(domain, to, speed)) return;
+            const auto cause = loss_of(domain, x, u, i);
+            outflow += static_cast<int>(cause == LossCause::outflow);
+            lost += static_cast<int>(cause != LossCause::none && cause != LossCause::outflow);
+        },
+        out.lost, out.outflow);
     return out;
 }
 
@@ -83,14 +86,15 @@ std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& 
     return lost;
 }
 
-LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
-                            const std::array<double, 3>& gravity) {
+LiquidTotals measure_totals(
+    const Comm& comm, const LiquidParticles& liquid, const Constants& constants, const std::array<double, 3>& gravity) {
     const auto x = liquid.position(), u = liquid.velocity();
     const auto relative = relative_density(constants, liquid);
     const double gx = gravity[0], gy = gravity[1], gz = gravity[2];
     double p[3] = {0, 0, 0}, l[3] = {0, 0, 0}, weight = 0, speed2 = 0, potential = 0, fastest = 0;
     const int n = liquid.store.owned();
-    Kokkos::parallel_reduce("treacle::momentum", n,
+    Kokkos::parallel_reduce(
+        "treacle::momentum", n,
         KOKKOS_LAMBDA(int i, double& px, double& py, double& pz, double& lx, double& ly, double& lz) {
             const double m = relative(i);
             px += m * u(i, 0);
@@ -99,15 +103,18 @@ LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, con
             lx += m * (x(i, 1) * u(i, 2) - x(i, 2) * u(i, 1));
             ly += m * (x(i, 2) * u(i, 0) - x(i, 0) * u(i, 2));
             lz += m * (x(i, 0) * u(i, 1) - x(i, 1) * u(i, 0));
-        }, p[0], p[1], p[2], l[0], l[1], l[2]);
-    Kokkos::parallel_reduce("treacle::energy", n,
+        },
+        p[0], p[1], p[2], l[0], l[1], l[2]);
+    Kokkos::parallel_reduce(
+        "treacle::energy", n,
         KOKKOS_LAMBDA(int i, double& mass, double& kinetic, double& height, double& most) {
             const double s2 = u(i, 0) * u(i, 0) + u(i, 1) * u(i, 1) + u(i, 2) * u(i, 2), m = relative(i);
             mass += m;
             kinetic += m * s2;
             height -= m * (gx * x(i, 0) + gy * x(i, 1) + gz * x(i, 2));
             most = math::max(most, s2);
-        }, weight, speed2, potential, Kokkos::Max<double>(fastest));
+        },
+        weight, speed2, potential, Kokkos::Max<double>(fastest));
     double sums[10] = {double(n), p[0], p[1], p[2], l[0], l[1], l[2], speed2, potential, weight};
     comm.sum(std::span<double>(sums));
     const double mass = constants.mass;

@@ -11,9 +11,9 @@
 namespace treacle::sph {
 
 using treacle::LiquidTotals;
+using treacle::loss_causes;
 using treacle::LossCause;
 using treacle::LostParticle;
-using treacle::loss_causes;
 
 // (S9) x += dt (u + correction), wrapped along periodic axes. `correction` is the XSPH velocity in the
 // acceleration field, used when `use_correction` is Use::yes. Returns how many of this rank's particles are lost by
@@ -29,7 +29,7 @@ DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid,
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid);
 
 // Totals of the owned particles, summed over the ranks.
-LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
-                            const std::array<double, 3>& gravity);
+LiquidTotals measure_totals(
+    const Comm& comm, const LiquidParticles& liquid, const Constants& constants, const std::array<double, 3>& gravity);
 
 } // namespace treacle::sph

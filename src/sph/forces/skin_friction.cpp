@@ -87,8 +87,8 @@ void apply_skin_friction(const StepContext& parts, const SkinFriction& friction,
     BodyLoads own(loads.size(), 0.0);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        const SkinFrictionLoop<Kernel> loop{
-            {own.size()}, kernel, fluid, friction.points, relative_density(constants, parts.liquid), coefficient, friction.dt};
+        const SkinFrictionLoop<Kernel> loop{{own.size()}, kernel, fluid, friction.points,
+            relative_density(constants, parts.liquid), coefficient, friction.dt};
         Kokkos::parallel_reduce("treacle::skin_friction", fluid.count, loop, host_sums(own));
     });
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += own[k];

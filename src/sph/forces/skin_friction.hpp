@@ -6,7 +6,7 @@ namespace treacle::sph {
 // Input of (S4s).
 struct SkinFriction {
     const std::vector<double>& coefficients; // c_f per body
-    const MomentReferencePoints& points;                // about which torques are taken
+    const MomentReferencePoints& points;     // about which torques are taken
     double dt;                               // [s]
 };
 

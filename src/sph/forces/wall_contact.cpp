@@ -14,7 +14,9 @@ constexpr int passes = 2;
 // Velocity of a particle: the part that contacts may change, and the rest, which may be empty [m/s].
 struct Moves {
     Array3 changed, rest;
-    KOKKOS_INLINE_FUNCTION double operator()(int i, int k) const { return changed(i, k) + (rest.size() > 0 ? rest(i, k) : 0.0); }
+    KOKKOS_INLINE_FUNCTION double operator()(int i, int k) const {
+        return changed(i, k) + (rest.size() > 0 ? rest(i, k) : 0.0);
+    }
 };
 
 // Sums over the bodies as their loads are, and a last number: particles stopped.
@@ -61,9 +63,11 @@ struct WallContactLoop : LoadReduction {
     }
 };
 
-std::int64_t stop(const StepContext& parts, const Fluid& fluid, const Moves& moves, const WallStop& at, std::span<double> loads) {
+std::int64_t stop(
+    const StepContext& parts, const Fluid& fluid, const Moves& moves, const WallStop& at, std::span<double> loads) {
     std::vector<double> sums(loads.size() + 1, 0.0);
-    const WallContactLoop loop{{sums.size()}, fluid, moves, parts.solid.normal(), at.points, relative_density(parts.constants, parts.liquid), at.dt};
+    const WallContactLoop loop{{sums.size()}, fluid, moves, parts.solid.normal(), at.points,
+        relative_density(parts.constants, parts.liquid), at.dt};
     Kokkos::parallel_reduce("treacle::stop_at_walls", fluid.count, loop, host_sums(sums));
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += sums[k];
     return std::llround(sums.back());

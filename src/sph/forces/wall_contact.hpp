@@ -7,7 +7,7 @@ namespace treacle::sph {
 // Input of (S8c).
 struct WallStop {
     const MomentReferencePoints& points; // about which torques are taken
-    double dt;                // [s]
+    double dt;                           // [s]
 };
 
 // (S8c) No liquid crosses a solid's surface within the step: where a particle over a solid particle would sink below

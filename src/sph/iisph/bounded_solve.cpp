@@ -15,7 +15,8 @@ struct Watch {
 // The residual -g of a row counts where q > 0, and where it would raise q.
 KOKKOS_INLINE_FUNCTION bool counts(double q, double g) { return q > 0 || g < 0; }
 
-KOKKOS_INLINE_FUNCTION void add_residual(double q, double g, double watched, double& excess, double& count, double& square) {
+KOKKOS_INLINE_FUNCTION void add_residual(
+    double q, double g, double watched, double& excess, double& count, double& square) {
     if (!counts(q, g)) return;
     excess += math::max(0.0, -g);
     count += 1;
@@ -27,17 +28,21 @@ void scale_to_least(const Comm& comm, const BoundedProblem& problem) {
     const int rows = problem.rows;
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side;
     std::array<double, 2> dots{};
-    Kokkos::parallel_reduce("treacle::bounded_multiple", rows, KOKKOS_LAMBDA(int i, double& along, double& curvature) {
-        along += b(i) * q(i);
-        curvature += product(i) * q(i);
-    }, dots[0], dots[1]);
+    Kokkos::parallel_reduce(
+        "treacle::bounded_multiple", rows,
+        KOKKOS_LAMBDA(int i, double& along, double& curvature) {
+            along += b(i) * q(i);
+            curvature += product(i) * q(i);
+        },
+        dots[0], dots[1]);
     if (rows == 0) dots = {};
     comm.sum(std::span(dots));
     const double length = dots[1] > 0 ? std::max(0.0, dots[0] / dots[1]) : 0;
-    Kokkos::parallel_for("treacle::bounded_scale", rows, KOKKOS_LAMBDA(int i) {
-        q(i) *= length;
-        product(i) *= length;
-    });
+    Kokkos::parallel_for(
+        "treacle::bounded_scale", rows, KOKKOS_LAMBDA(int i) {
+            q(i) *= length;
+            product(i) *= length;
+        });
 }
 
 // Product of the guess. Returns how many products that took.
@@ -76,13 +81,16 @@ double own_square(const BoundedProblem& problem, const Array<double>& gradient) 
     const RowGroups groups = problem.groups;
     double square = 0;
     const int terms = groups.apply ? groups.count : rows;
-    Kokkos::parallel_reduce("treacle::watched_square", terms, KOKKOS_LAMBDA(int k, double& sum) {
-        const int first = groups.apply ? groups.begin(k) : k;
-        const int last = math::min(rows, groups.apply ? groups.end(k) : k + 1);
-        double own = 0;
-        for (int i = first; i < last; ++i) own += counts(q(i), gradient(i)) ? watch(i) * gradient(i) : 0;
-        sum += own * own;
-    }, square);
+    Kokkos::parallel_reduce(
+        "treacle::watched_square", terms,
+        KOKKOS_LAMBDA(int k, double& sum) {
+            const int first = groups.apply ? groups.begin(k) : k;
+            const int last = math::min(rows, groups.apply ? groups.end(k) : k + 1);
+            double own = 0;
+            for (int i = first; i < last; ++i) own += counts(q(i), gradient(i)) ? watch(i) * gradient(i) : 0;
+            sum += own * own;
+        },
+        square);
     return terms > 0 ? square : 0.0;
 }
 
@@ -97,11 +105,13 @@ struct Standing {
 };
 
 // gradient <- A q - b from the product; rows without a diagonal get 0.
-Standing take_gradient(const Comm& comm, const BoundedProblem& problem, const Array<double>& gradient, const Array<double>& change) {
+Standing take_gradient(
+    const Comm& comm, const BoundedProblem& problem, const Array<double>& gradient, const Array<double>& change) {
     const auto &q = problem.q, &product = problem.product, &b = problem.right_hand_side, &diagonal = problem.diagonal;
     const Watch watch{problem.watched};
     std::array<double, 6> s{};
-    Kokkos::parallel_reduce("treacle::bounded_gradient", problem.rows,
+    Kokkos::parallel_reduce(
+        "treacle::bounded_gradient", problem.rows,
         KOKKOS_LAMBDA(int i, double& excess, double& count, double& square, double& ss, double& sy, double& yy) {
             const double d = diagonal(i);
             const double g = d > 0 ? product(i) - b(i) : 0;
@@ -111,21 +121,24 @@ Standing take_gradient(const Comm& comm, const BoundedProblem& problem, const Ar
             sy += change(i) * y;
             if (d > 0 && counts(q(i), g)) yy += y * y / d;
             add_residual(q(i), g, watch(i), excess, count, square);
-        }, s[0], s[1], s[2], s[3], s[4], s[5]);
+        },
+        s[0], s[1], s[2], s[3], s[4], s[5]);
     if (problem.rows == 0) s = {};
     if (problem.groups.apply) s[2] = own_square(problem, gradient);
     comm.sum(std::span(s));
     return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
 }
 
-void step_down(const BoundedProblem& problem, double alpha, const Array<double>& gradient, const Array<double>& change) {
+void step_down(
+    const BoundedProblem& problem, double alpha, const Array<double>& gradient, const Array<double>& change) {
     const auto &q = problem.q, &diagonal = problem.diagonal;
-    Kokkos::parallel_for("treacle::bounded_step", problem.rows, KOKKOS_LAMBDA(int i) {
-        const double d = diagonal(i);
-        const double next = d > 0 ? math::max(0.0, q(i) - alpha * gradient(i) / d) : 0;
-        change(i) = next - q(i);
-        q(i) = next;
-    });
+    Kokkos::parallel_for(
+        "treacle::bounded_step", problem.rows, KOKKOS_LAMBDA(int i) {
+            const double d = diagonal(i);
+            const double next = d > 0 ? math::max(0.0, q(i) - alpha * gradient(i) / d) : 0;
+            change(i) = next - q(i);
+            q(i) = next;
+        });
 }
 } // namespace
 
@@ -145,12 +158,15 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
             ++report.solve.products;
         }
         std::array<double, 3> s{};
-        Kokkos::parallel_reduce("treacle::bounded_jacobi", problem.rows, KOKKOS_LAMBDA(int i, double& excess, double& count, double& square) {
-            const double d = diagonal(i);
-            const double g = d > 0 ? product(i) - b(i) : 0;
-            add_residual(q(i), g, watch(i), excess, count, square);
-            if (d > 0) q(i) = math::max(0.0, q(i) - omega * g / d);
-        }, s[0], s[1], s[2]);
+        Kokkos::parallel_reduce(
+            "treacle::bounded_jacobi", problem.rows,
+            KOKKOS_LAMBDA(int i, double& excess, double& count, double& square) {
+                const double d = diagonal(i);
+                const double g = d > 0 ? product(i) - b(i) : 0;
+                add_residual(q(i), g, watch(i), excess, count, square);
+                if (d > 0) q(i) = math::max(0.0, q(i) - omega * g / d);
+            },
+            s[0], s[1], s[2]);
         if (problem.rows == 0) s = {};
         comm.sum(std::span(s));
         report.residual = {s[0], s[1], s[2]};
@@ -159,7 +175,8 @@ BoundedReport bounded_jacobi(const Comm& comm, const BoundedProblem& problem, do
     return report;
 }
 
-BoundedReport SpectralGradient::solve(const Comm& comm, const BoundedProblem& problem, double first, const StoppingTest& goal) {
+BoundedReport SpectralGradient::solve(
+    const Comm& comm, const BoundedProblem& problem, double first, const StoppingTest& goal) {
     reserve(gradient_, static_cast<std::size_t>(problem.rows));
     reserve(change_, static_cast<std::size_t>(problem.rows));
     Kokkos::deep_copy(change_, 0.0);

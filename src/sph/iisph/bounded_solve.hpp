@@ -26,10 +26,10 @@ struct BoundedProblem {
     Array<double> product;
     Array<double> diagonal; // > 0, or 0 in rows that stay 0
     Array<double> right_hand_side;
-    Array<double> q;        // in: guess >= 0, out: solution
+    Array<double> q; // in: guess >= 0, out: solution
     BoundedGuess guess = BoundedGuess::given;
-    Array<double> watched;  // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
-    RowGroups groups;       // over which watched residuals are added up before they are squared, or each row by itself
+    Array<double> watched; // 1, or 0 in rows that do not count for BoundedResidual::square; empty: all 1
+    RowGroups groups;      // over which watched residuals are added up before they are squared, or each row by itself
 };
 
 // Distance of q from the solution; sums over the ranks. A row's residual b - A q counts where q > 0, and where it

@@ -30,17 +30,18 @@ constexpr int jacobi_patience = 20;
 
 void write_loads(LiquidParticles& liquid, const Array<double>& q) {
     const auto load = liquid.load();
-    Kokkos::parallel_for("treacle::iisph_loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) { load(i) = q(i); });
+    Kokkos::parallel_for(
+        "treacle::iisph_loads", liquid.store.owned(), KOKKOS_LAMBDA(int i) { load(i) = q(i); });
 }
 
 void write_ghost_accelerations(LiquidParticles& liquid) {
     const auto a = liquid.acceleration();
     const auto to = liquid.motion;
     using Range = Kokkos::RangePolicy<Execution>;
-    Kokkos::parallel_for("treacle::iisph_ghosts", Range(liquid.store.owned(), liquid.store.total()),
-                         KOKKOS_LAMBDA(int i) {
-                             for (int k = 0; k < 3; ++k) to(i, k) = a(i, k);
-                         });
+    Kokkos::parallel_for(
+        "treacle::iisph_ghosts", Range(liquid.store.owned(), liquid.store.total()), KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) to(i, k) = a(i, k);
+        });
 }
 
 // Density of the pair sums: m over the volume, of whatever liquid.
@@ -58,41 +59,51 @@ struct Guess {
 };
 
 // Writes the guess as q; returns how many b > 0.
-double write_guess(const StepContext& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal) {
+double write_guess(
+    const StepContext& parts, const Guess& guess, const Array<double>& q, const Array<double>& diagonal) {
     const auto rho = sum_density(parts);
     const auto p = guess.pressure, b = parts.liquid.source();
     const double factor = guess.factor;
     const int n = parts.liquid.store.owned();
     double compressed = 0;
-    Kokkos::parallel_reduce("treacle::iisph_start", n, KOKKOS_LAMBDA(int i, double& count) {
-        q(i) = diagonal(i) > 0 ? factor * math::max(0.0, p(i)) / rho.square(i) : 0;
-        if (b(i) > 0 && diagonal(i) > 0) count += 1;
-    }, compressed);
+    Kokkos::parallel_reduce(
+        "treacle::iisph_start", n,
+        KOKKOS_LAMBDA(int i, double& count) {
+            q(i) = diagonal(i) > 0 ? factor * math::max(0.0, p(i)) / rho.square(i) : 0;
+            if (b(i) > 0 && diagonal(i) > 0) count += 1;
+        },
+        compressed);
     return parts.comm.sum(n > 0 ? compressed : 0.0);
 }
 
 // The norm of the watched residual without pressures: `gradient` is -b then.
 double reference_norm(const StepContext& parts, const BoundedProblem& problem, const Array<double>& gradient) {
     const auto b = problem.right_hand_side;
-    Kokkos::parallel_for("treacle::iisph_reference", problem.rows, KOKKOS_LAMBDA(int i) { gradient(i) = -b(i); });
+    Kokkos::parallel_for(
+        "treacle::iisph_reference", problem.rows, KOKKOS_LAMBDA(int i) { gradient(i) = -b(i); });
     return std::sqrt(watched_square(parts.comm, problem, gradient));
 }
 
 // product += compliance D q
-void add_compliance(int rows, double compliance, const Array<double>& diagonal, const Array<double>& q, const Array<double>& product) {
-    Kokkos::parallel_for("treacle::iisph_compliance", rows, KOKKOS_LAMBDA(int i) { product(i) += compliance * diagonal(i) * q(i); });
+void add_compliance(
+    int rows, double compliance, const Array<double>& diagonal, const Array<double>& q, const Array<double>& product) {
+    Kokkos::parallel_for(
+        "treacle::iisph_compliance", rows, KOKKOS_LAMBDA(int i) { product(i) += compliance * diagonal(i) * q(i); });
 }
 
 // scaled = rho q: rows of RigidCouplingTerm have 1 / rho.
 void multiply_by_density(const StepContext& parts, const Array<double>& q, const Array<double>& scaled) {
     const auto rho = sum_density(parts);
-    Kokkos::parallel_for("treacle::iisph_pressed", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { scaled(i) = q(i) * rho(i); });
+    Kokkos::parallel_for(
+        "treacle::iisph_pressed", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { scaled(i) = q(i) * rho(i); });
 }
 
 // product += rho response
 void add_response(const StepContext& parts, const Array<double>& response, const Array<double>& product) {
     const auto rho = sum_density(parts);
-    Kokkos::parallel_for("treacle::iisph_answer", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) { product(i) += response(i) * rho(i); });
+    Kokkos::parallel_for(
+        "treacle::iisph_answer", parts.liquid.store.owned(),
+        KOKKOS_LAMBDA(int i) { product(i) += response(i) * rho(i); });
 }
 
 RoleCounts write_pressures(const StepContext& parts, const Array<double>& q) {
@@ -101,11 +112,14 @@ RoleCounts write_pressures(const StepContext& parts, const Array<double>& q) {
     const auto role = parts.liquid.role();
     const int n = parts.liquid.store.owned();
     int pressed = 0;
-    Kokkos::parallel_reduce("treacle::iisph_pressures", n, KOKKOS_LAMBDA(int i, int& count) {
-        p(i) = q(i) * rho.square(i);
-        role(i) = q(i) > 0 ? Role::poisson : Role::dirichlet;
-        count += static_cast<int>(q(i) > 0);
-    }, pressed);
+    Kokkos::parallel_reduce(
+        "treacle::iisph_pressures", n,
+        KOKKOS_LAMBDA(int i, int& count) {
+            p(i) = q(i) * rho.square(i);
+            role(i) = q(i) > 0 ? Role::poisson : Role::dirichlet;
+            count += static_cast<int>(q(i) > 0);
+        },
+        pressed);
     return {pressed, n - pressed, 0};
 }
 
@@ -133,7 +147,8 @@ StoppingTest goal_of(const SphOptions& options, const Constants& constants, doub
     goal.least_iterations = jacobi ? least_iterations : 0;
     goal.max_iterations = (jacobi ? jacobi_patience : 1) * pressure.max_iterations;
     if (pressure.stop == StoppingRule::residual) {
-        goal.met = [=, to = pressure.residual](const BoundedResidual& r) { return std::sqrt(r.square) <= to * reference; };
+        goal.met = [=, to = pressure.residual](
+                       const BoundedResidual& r) { return std::sqrt(r.square) <= to * reference; };
     } else {
         const double scale = dt * dt / constants.rest_density;
         goal.met = [=, to = tolerances.density, largest = pressure.residual_tolerance()](const BoundedResidual& r) {
@@ -147,9 +162,8 @@ StoppingTest goal_of(const SphOptions& options, const Constants& constants, doub
 // Goal of the divergence-free solve: b dt^2 / rho0 is the compression that the velocity has in a step.
 StoppingTest divergence_goal(const SphOptions& options, const Constants& constants, double dt) {
     const double scale = dt * dt / constants.rest_density;
-    const auto met = [=, to = options.pressure.divergence_error](const BoundedResidual& r) {
-        return r.excess * scale < to * std::max(1.0, r.count);
-    };
+    const auto met = [=, to = options.pressure.divergence_error](
+                         const BoundedResidual& r) { return r.excess * scale < to * std::max(1.0, r.count); };
     return {met, 1, jacobi_patience * options.pressure.max_iterations};
 }
 
@@ -170,8 +184,10 @@ void Iisph::prepare_pairs(const StepContext& parts) {
     reserve(watched_, n);
     if (response_ != nullptr) reserve(pressed_, n), reserve(answered_, n);
     reserve(own_, n);
-    if (parts.constants.wall_pressure_factor == 1) force_ = own_;
-    else reserve(force_, n);
+    if (parts.constants.wall_pressure_factor == 1)
+        force_ = own_;
+    else
+        reserve(force_, n);
     const auto entries = static_cast<std::size_t>(parts.neighbours.liquid.size);
     for (auto& one : gradient_) {
         reserve(one, entries + NeighbourList::padding);
@@ -184,9 +200,9 @@ void Iisph::prepare_pairs(const StepContext& parts) {
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_pairs", fluid.count,
-                             PairLoop<Kernel>{kernel, fluid, bearing, {gravity_[0], gravity_[1], gravity_[2]},
-                                              relative_density(parts.constants, liquid), {gradient_[0], gradient_[1], gradient_[2]},
-                                              diagonal_, watched_, own_, force_});
+            PairLoop<Kernel>{kernel, fluid, bearing, {gravity_[0], gravity_[1], gravity_[2]},
+                relative_density(parts.constants, liquid), {gradient_[0], gradient_[1], gradient_[2]}, diagonal_,
+                watched_, own_, force_});
     });
 }
 
@@ -202,8 +218,8 @@ void Iisph::write_source(const StepContext& parts, double dt, Aim aim) {
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_source", fluid.count,
-                             SourceLoop<Kernel>{kernel, fluid, dt, aim, needed, slack, relative_density(parts.constants, liquid),
-                                                {gradient_[0], gradient_[1], gradient_[2]}, density, liquid.source(), diagonal_});
+            SourceLoop<Kernel>{kernel, fluid, dt, aim, needed, slack, relative_density(parts.constants, liquid),
+                {gradient_[0], gradient_[1], gradient_[2]}, density, liquid.source(), diagonal_});
     });
 }
 
@@ -215,10 +231,12 @@ void Iisph::multiply(const StepContext& parts, const Array<double>& q) {
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     const Gradients gradients{gradient_[0], gradient_[1], gradient_[2]};
     Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
-                         AccelerationLoop{fluid, relative_density(parts.constants, liquid), inlet, gradients, force_, liquid.acceleration()});
+        AccelerationLoop{
+            fluid, relative_density(parts.constants, liquid), inlet, gradients, force_, liquid.acceleration()});
     parts.halo.gather(liquid.store, {liquid.acceleration_field()});
     write_ghost_accelerations(liquid);
-    Kokkos::parallel_for("treacle::iisph_density_changes", fluid.count, DensityChangeLoop{fluid, gradients, own_, product_});
+    Kokkos::parallel_for(
+        "treacle::iisph_density_changes", fluid.count, DensityChangeLoop{fluid, gradients, own_, product_});
     if (response_ == nullptr) return;
     multiply_by_density(parts, q, pressed_);
     response_->apply(parts.comm, liquid.store.owned(), pressed_, answered_);
@@ -241,7 +259,9 @@ solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, 
     const auto& options = parts.options.pressure;
     const auto guess = guess_of(aim);
     // The published IISPH starts from a part of the last pressures; without the excess they change little from step to step.
-    const double factor = guess == BoundedGuess::zero ? 0 : aim == Aim::density && options.solver != PressureSolver::dfsph ? warm_start : 1;
+    const double factor = guess == BoundedGuess::zero                                      ? 0
+                          : aim == Aim::density && options.solver != PressureSolver::dfsph ? warm_start
+                                                                                           : 1;
     solve::SolveReport out;
     if (write_guess(parts, {last, factor}, q_, diagonal_) == 0) { // q = 0 is the solution
         Kokkos::deep_copy(q_, 0.0);
@@ -256,20 +276,23 @@ solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, 
         if (aim == Aim::places) add_compliance(rows, shift_compliance, diagonal_, q, product_);
     };
     const auto& cells = parts.cells;
-    const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size()), true} : RowGroups{};
-    const BoundedProblem problem{rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_, groups};
+    const RowGroups groups = aim == Aim::approach
+                                 ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size()), true}
+                                 : RowGroups{};
+    const BoundedProblem problem{
+        rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_, groups};
     const double reference = reference_norm(parts, problem, product_);
     const double density = aim == Aim::approach ? driven_tolerance(parts, reference > 0) : options.density_tolerance();
     const auto goal = divergence ? divergence_goal(parts.options, parts.constants, dt)
                                  : goal_of(parts.options, parts.constants, dt, {density, loose ? 0 : reference});
     const auto report = options.solver == PressureSolver::iisph ? spectral_.solve(parts.comm, problem, weight_, goal)
-                                                                   : bounded_jacobi(parts.comm, problem, weight_, goal);
+                                                                : bounded_jacobi(parts.comm, problem, weight_, goal);
     out = report.solve;
     out.relative_residual = reference > 0 ? std::sqrt(report.residual.square) / reference : 0;
-    out.error_measure = options.stop == StoppingRule::residual && !divergence
-                            ? std::sqrt(report.residual.square)
-                            : report.residual.excess * dt * dt / parts.constants.rest_density /
-                                  std::max(1.0, report.residual.count);
+    out.error_measure =
+        options.stop == StoppingRule::residual && !divergence
+            ? std::sqrt(report.residual.square)
+            : report.residual.excess * dt * dt / parts.constants.rest_density / std::max(1.0, report.residual.count);
     return out;
 }
 
@@ -294,9 +317,10 @@ solve::SolveReport Iisph::shift(const StepContext& parts, double dt) {
     } else {
         multiply(parts, q_);
         ++out.products;
-        Kokkos::parallel_for("treacle::iisph_shift", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            for (int k = 0; k < 3; ++k) shift(i, k) *= dt;
-        });
+        Kokkos::parallel_for(
+            "treacle::iisph_shift", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+                for (int k = 0; k < 3; ++k) shift(i, k) *= dt;
+            });
     }
     out.iteration_seconds = seconds_since(start);
     return out;
@@ -309,7 +333,8 @@ solve::SolveReport Iisph::solve_divergence(const StepContext& parts, double dt, 
     auto out = iterate(parts, Aim::divergence, dt, last);
     const auto rho = sum_density(parts);
     const auto q = q_;
-    Kokkos::parallel_for("treacle::dfsph_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho.square(i); });
+    Kokkos::parallel_for(
+        "treacle::dfsph_pressures", liquid.store.owned(), KOKKOS_LAMBDA(int i) { last(i) = q(i) * rho.square(i); });
     write_loads(liquid, q_);
     parts.halo.gather(liquid.store, {liquid.load_field()});
     out.iteration_seconds = seconds_since(start);
@@ -318,7 +343,8 @@ solve::SolveReport Iisph::solve_divergence(const StepContext& parts, double dt, 
 
 std::size_t Iisph::bytes() const {
     return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() +
-                (force_.data() == own_.data() ? 0 : force_.span()) + watched_.span() + pressed_.span() + answered_.span()) +
+                   (force_.data() == own_.data() ? 0 : force_.span()) + watched_.span() + pressed_.span() +
+                   answered_.span()) +
            12 * gradient_[0].span() + spectral_.bytes();
 }
 

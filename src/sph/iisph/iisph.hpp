@@ -2,8 +2,8 @@
 #include "base/text/vec3.hpp"
 #include "sph/iisph/bounded_solve.hpp"
 #include "sph/model/step_context.hpp"
-#include "sph/pressure/rigid_coupling_term.hpp"
 #include "sph/pressure/prediction.hpp"
+#include "sph/pressure/rigid_coupling_term.hpp"
 
 namespace treacle::sph {
 
@@ -71,11 +71,13 @@ private:
     Array<double> product_{"treacle::iisph_product", 0};
     Array<double> diagonal_{"treacle::iisph_diagonal", 0};
     Array<double> watched_{"treacle::iisph_watched", 0}; // 1 in rows for which largest_residual holds, else 0
-    Array<float> gradient_[3] = {Array<float>("treacle::iisph_gradient_x", 0), Array<float>("treacle::iisph_gradient_y", 0),
-                                 Array<float>("treacle::iisph_gradient_z", 0)}; // m grad W of each pair [kg/m^(D+1)]
-    Array3 own_{"treacle::iisph_own", 0};                                       // g
-    Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
-    Array<double> pressed_{"treacle::iisph_pressed", 0}, answered_{"treacle::iisph_answered", 0}; // with the bodies' response
+    Array<float> gradient_[3] = {Array<float>("treacle::iisph_gradient_x", 0),
+        Array<float>("treacle::iisph_gradient_y", 0),
+        Array<float>("treacle::iisph_gradient_z", 0)}; // m grad W of each pair [kg/m^(D+1)]
+    Array3 own_{"treacle::iisph_own", 0};              // g
+    Array3 force_{"treacle::iisph_force", 0};          // g of the forces: the same array unless walls push harder
+    Array<double> pressed_{"treacle::iisph_pressed", 0},
+        answered_{"treacle::iisph_answered", 0}; // with the bodies' response
     SpectralGradient spectral_;
     double weight_ = 0; // of Jacobi; 0: not known yet
 };

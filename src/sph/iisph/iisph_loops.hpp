@@ -28,7 +28,7 @@ template <class Kernel>
 struct PairLoop {
     Kernel kernel;
     Fluid fluid;
-    bool bearing; // only rows above solids are watched
+    bool bearing;      // only rows above solids are watched
     double gravity[3]; // [m/s2]
     RelativeDensity relative;
     Gradients gradients;
@@ -111,11 +111,13 @@ struct SourceLoop {
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
             const double share = fluid.carries(s) ? 1 : 0;
-            change += gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
+            change +=
+                gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
         });
         if (aim != Iisph::Aim::divergence) {
             const double excess = density(i) / relative(i) - c.rest_density;
-            source(i) = ((aim == Iisph::Aim::approach ? math::min(excess + slack, 0.0) : excess) + dt * change) / (dt * dt); // (2.4)
+            source(i) = ((aim == Iisph::Aim::approach ? math::min(excess + slack, 0.0) : excess) + dt * change) /
+                        (dt * dt); // (2.4)
         } else {
             source(i) = change / dt;
             if (row.count + fluid.solid.count(i) < needed) diagonal(i) = 0;

@@ -69,7 +69,7 @@ double iisph_weight(const SphOptions& options, const Constants& constants) {
     if (options.pressure.jacobi_weight > 0) return options.pressure.jacobi_weight;
     double largest = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support,
-                [&](const auto& kernel) { largest = lattice_eigenvalue(kernel, constants); });
+        [&](const auto& kernel) { largest = lattice_eigenvalue(kernel, constants); });
     return std::min(published_weight, stable_product / largest);
 }
 

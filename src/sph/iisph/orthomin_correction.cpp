@@ -10,26 +10,29 @@ namespace {
 // Dot product of a pair of owned arrays, over all ranks.
 double dot(const Comm& comm, const Array<double>& a, const Array<double>& b, int count) {
     double sum = 0;
-    Kokkos::parallel_reduce("treacle::correction_dot", count,
-                            KOKKOS_LAMBDA(int i, double& s) { s += a(i) * b(i); }, sum);
+    Kokkos::parallel_reduce(
+        "treacle::correction_dot", count, KOKKOS_LAMBDA(int i, double& s) { s += a(i) * b(i); }, sum);
     return comm.sum(count > 0 ? sum : 0.0);
 }
 
 // a += factor b
 void add(const Array<double>& a, double factor, const Array<double>& b, int count) {
-    Kokkos::parallel_for("treacle::correction_add", count, KOKKOS_LAMBDA(int i) { a(i) += factor * b(i); });
+    Kokkos::parallel_for(
+        "treacle::correction_add", count, KOKKOS_LAMBDA(int i) { a(i) += factor * b(i); });
 }
 
 // out = share.source b + share.product A q on the unknowns, 0 elsewhere: others keep their pressures.
 struct Shares {
     double source, product;
 };
-void combine(const LiquidParticles& liquid, const Shares& share, const Array<double>& product, const Array<double>& out) {
+void combine(
+    const LiquidParticles& liquid, const Shares& share, const Array<double>& product, const Array<double>& out) {
     const auto b = liquid.source();
     const auto role = liquid.role();
-    Kokkos::parallel_for("treacle::correction_combine", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        out(i) = role(i) == Role::poisson ? share.source * b(i) + share.product * product(i) : 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::correction_combine", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            out(i) = role(i) == Role::poisson ? share.source * b(i) + share.product * product(i) : 0;
+        });
 }
 
 // 1 / rho^2
@@ -48,43 +51,47 @@ Specific specific_of(const StepContext& step) { return {step.liquid.volume(), 1 
 void divide(const StepContext& step, const Array<double>& q) {
     const auto specific = specific_of(step);
     const auto p = step.liquid.pressure();
-    Kokkos::parallel_for("treacle::correction_start", step.liquid.store.owned(),
-                         KOKKOS_LAMBDA(int i) { q(i) = p(i) * specific(i); });
+    Kokkos::parallel_for(
+        "treacle::correction_start", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) { q(i) = p(i) * specific(i); });
 }
 
 void write_rows(const LiquidParticles& liquid, const Array<double>& r, int first, const Array<double>& rows) {
     const auto role = liquid.role(), row = liquid.row();
-    Kokkos::parallel_for("treacle::correction_rows", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        if (role(i) == Role::poisson) rows(row(i) - first) = r(i);
-    });
+    Kokkos::parallel_for(
+        "treacle::correction_rows", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            if (role(i) == Role::poisson) rows(row(i) - first) = r(i);
+        });
 }
 
 void read_rows(const StepContext& step, const Array<double>& rows, int first, const Array<double>& out) {
     const auto specific = specific_of(step);
     const auto role = step.liquid.role(), row = step.liquid.row();
-    Kokkos::parallel_for("treacle::correction_direction", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        out(i) = role(i) == Role::poisson ? rows(row(i) - first) * specific(i) : 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::correction_direction", step.liquid.store.owned(),
+        KOKKOS_LAMBDA(int i) { out(i) = role(i) == Role::poisson ? rows(row(i) - first) * specific(i) : 0; });
 }
 
 void write_pressures(const StepContext& step, const Array<double>& q) {
     const auto specific = specific_of(step);
     const auto p = step.liquid.pressure();
     const auto role = step.liquid.role();
-    Kokkos::parallel_for("treacle::corrected_pressures", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        if (role(i) == Role::poisson) p(i) = math::max(0.0, q(i) / specific(i));
-    });
+    Kokkos::parallel_for(
+        "treacle::corrected_pressures", step.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            if (role(i) == Role::poisson) p(i) = math::max(0.0, q(i) / specific(i));
+        });
 }
 
 // The mean of the positive residuals as compression, over the unknowns.
 double mean_excess(const StepContext& step, const Array<double>& r, double dt) {
     const auto role = step.liquid.role();
     std::array<double, 2> sums{};
-    Kokkos::parallel_reduce("treacle::correction_measure", step.liquid.store.owned(),
+    Kokkos::parallel_reduce(
+        "treacle::correction_measure", step.liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& excess, double& unknowns) {
             excess += math::max(0.0, r(i));
             unknowns += role(i) == Role::poisson ? 1 : 0;
-        }, sums[0], sums[1]);
+        },
+        sums[0], sums[1]);
     if (step.liquid.store.owned() == 0) sums = {};
     step.comm.sum(std::span(sums));
     return sums[1] > 0 ? sums[0] / sums[1] * dt * dt / step.constants.rest_density : 0;

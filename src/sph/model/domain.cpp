@@ -62,10 +62,11 @@ CellGrid make_cell_grid(const scene::Domain& domain, double support) {
                 // Both as written: a period that misses the two radii by the digits of a double is as long as they are.
                 const bool same = std::fabs(length - 2 * support) < 1e-9 * support;
                 const auto [given, least] = tell_apart(same ? 2 * support : length, 2 * support);
-                throw InputError({domain.where, "domain: the period of " + given + " m in " + "xyz"[k] + " is not above two support radii, " +
-                                                    least + " m",
-                                  "a particle must not meet two images of a neighbour",
-                                  "lengthen the domain, or refine domain.spacing"});
+                throw InputError({domain.where,
+                    "domain: the period of " + given + " m in " + "xyz"[k] + " is not above two support radii, " +
+                        least + " m",
+                    "a particle must not meet two images of a neighbour",
+                    "lengthen the domain, or refine domain.spacing"});
             }
             grid.origin[k] = box.lo[k];
             grid.inverse_width[k] = grid.count[k] / length;

@@ -19,11 +19,11 @@ struct LiquidMaterial {
 struct ImmiscibleLiquids {
     // Coefficients of liquid i beside liquid j, with their densities s over the first one's and their viscosities.
     enum Table {
-        inverse_density, // 2 / (s_i + s_j): symmetric
-        own_pressure_weight,    // 2 s_j / (s_i (s_i + s_j)): of the own pressure in the acceleration, or 1 / s_i
-        other_pressure_weight,  // the inverse density: of the neighbour's, or 1 / s_i
-        pair_viscosity,     // harmonic mean of the viscosities over s_i [Pa s]
-        pair_artificial_viscosity,   // 2 s_j / (s_i + s_j)
+        inverse_density,           // 2 / (s_i + s_j): symmetric
+        own_pressure_weight,       // 2 s_j / (s_i (s_i + s_j)): of the own pressure in the acceleration, or 1 / s_i
+        other_pressure_weight,     // the inverse density: of the neighbour's, or 1 / s_i
+        pair_viscosity,            // harmonic mean of the viscosities over s_i [Pa s]
+        pair_artificial_viscosity, // 2 s_j / (s_i + s_j)
         tables
     };
     int count = 1;
@@ -70,7 +70,8 @@ struct OneLiquid {
     struct Partners {
         KOKKOS_INLINE_FUNCTION SimdDouble conduct(const int*, SimdDouble a) const { return a; }
         KOKKOS_INLINE_FUNCTION SimdDouble loads(const int*, double own, SimdDouble other) const { return own + other; }
-        KOKKOS_INLINE_FUNCTION SimdDouble drag(const int*, double pair_viscosity, double pair_artificial_viscosity, SimdDouble approach) const {
+        KOKKOS_INLINE_FUNCTION SimdDouble drag(
+            const int*, double pair_viscosity, double pair_artificial_viscosity, SimdDouble approach) const {
             return pair_viscosity * approach + pair_artificial_viscosity * math::min(approach, SimdDouble(0.0));
         }
     };
@@ -107,26 +108,34 @@ struct SeveralLiquids {
             return a * of(ImmiscibleLiquids::inverse_density, index);
         }
         KOKKOS_INLINE_FUNCTION SimdDouble loads(const int* index, double own, SimdDouble other) const {
-            return own * of(ImmiscibleLiquids::own_pressure_weight, index) + other * of(ImmiscibleLiquids::other_pressure_weight, index);
+            return own * of(ImmiscibleLiquids::own_pressure_weight, index) +
+                   other * of(ImmiscibleLiquids::other_pressure_weight, index);
         }
-        KOKKOS_INLINE_FUNCTION SimdDouble drag(const int* index, double pair_viscosity, double pair_artificial_viscosity, SimdDouble approach) const {
+        KOKKOS_INLINE_FUNCTION SimdDouble drag(
+            const int* index, double pair_viscosity, double pair_artificial_viscosity, SimdDouble approach) const {
             return pair_viscosity * of(ImmiscibleLiquids::pair_viscosity, index) * approach +
-                   pair_artificial_viscosity * of(ImmiscibleLiquids::pair_artificial_viscosity, index) * math::min(approach, SimdDouble(0.0));
+                   pair_artificial_viscosity * of(ImmiscibleLiquids::pair_artificial_viscosity, index) *
+                       math::min(approach, SimdDouble(0.0));
         }
     };
-    ImmiscibleLiquids immiscible;    // with its tables
-    Array<int> liquid;  // [particles]
-    double viscous = 1; // 0: as if none had a viscosity
+    ImmiscibleLiquids immiscible; // with its tables
+    Array<int> liquid;            // [particles]
+    double viscous = 1;           // 0: as if none had a viscosity
 
     // As in OneLiquid; of() is one entry of the table of pairs.
     KOKKOS_INLINE_FUNCTION Partners partners(int i) const {
-        return {liquid.data(), immiscible.pair.data() + liquid(i) * immiscible.count, immiscible.count * immiscible.count};
+        return {
+            liquid.data(), immiscible.pair.data() + liquid(i) * immiscible.count, immiscible.count * immiscible.count};
     }
     KOKKOS_INLINE_FUNCTION double of(ImmiscibleLiquids::Table table, int i, int j) const {
         return immiscible.pair((table * immiscible.count + liquid(i)) * immiscible.count + liquid(j));
     }
-    KOKKOS_INLINE_FUNCTION double inverse_density(int i, int j) const { return of(ImmiscibleLiquids::inverse_density, i, j); }
-    KOKKOS_INLINE_FUNCTION double pair_artificial_viscosity(int i, int j) const { return of(ImmiscibleLiquids::pair_artificial_viscosity, i, j); }
+    KOKKOS_INLINE_FUNCTION double inverse_density(int i, int j) const {
+        return of(ImmiscibleLiquids::inverse_density, i, j);
+    }
+    KOKKOS_INLINE_FUNCTION double pair_artificial_viscosity(int i, int j) const {
+        return of(ImmiscibleLiquids::pair_artificial_viscosity, i, j);
+    }
     KOKKOS_INLINE_FUNCTION double density(int i) const { return immiscible.density(liquid(i)); }
     KOKKOS_INLINE_FUNCTION double viscosity(int i) const { return viscous * immiscible.viscosity(liquid(i)); }
     // The part of a density beyond the rest density that a step takes back.

@@ -113,15 +113,9 @@ template <class Work>
 void with_kernel(KernelKind kind, int dimensions, double support, const Work& work) {
     const bool plane = dimensions == 2;
     switch (kind) {
-    case KernelKind::cubic_spline:
-        plane ? work(CubicSpline<2>(support)) : work(CubicSpline<3>(support));
-        break;
-    case KernelKind::wendland_c2:
-        plane ? work(WendlandC2<2>(support)) : work(WendlandC2<3>(support));
-        break;
-    case KernelKind::mueller:
-        plane ? work(Mueller<2>(support)) : work(Mueller<3>(support));
-        break;
+    case KernelKind::cubic_spline: plane ? work(CubicSpline<2>(support)) : work(CubicSpline<3>(support)); break;
+    case KernelKind::wendland_c2: plane ? work(WendlandC2<2>(support)) : work(WendlandC2<3>(support)); break;
+    case KernelKind::mueller: plane ? work(Mueller<2>(support)) : work(Mueller<3>(support)); break;
     }
 }
 

@@ -89,8 +89,7 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
         if (r == 0) return;
         liquid_n += number.value(r);
         out.liquid_vector -= lattice.volume * kernel.gradient(r) * j * d;
-        out.missing += 2 * lattice.volume * r * r * kernel.gradient(r) /
-                       (r * r + 0.01 * setup.support * setup.support);
+        out.missing += 2 * lattice.volume * r * r * kernel.gradient(r) / (r * r + 0.01 * setup.support * setup.support);
     });
     out.solid_ratio = out.wall_volume * wall_w;
     out.density_ratio = lattice.volume * liquid_w + out.solid_ratio;
@@ -127,7 +126,7 @@ namespace {
 PlanarWall measure_aligned(const WallSetup& setup, double gap) {
     PlanarWall out;
     with_kernel(setup.kind, setup.dimensions, setup.support,
-                [&](const auto& kernel) { out = measure_at(kernel, setup, gap, 0.0, 0.0); });
+        [&](const auto& kernel) { out = measure_at(kernel, setup, gap, 0.0, 0.0); });
     return out;
 }
 } // namespace

@@ -8,10 +8,10 @@ namespace treacle::sph {
 // Point about which the torque on each body is taken: its centre for bodies that move, otherwise the origin.
 struct MomentReferencePoints {
     int count = 0;
-    bool moving = false;   // any of them is not the origin
-    Array<double> centre;  // [count][4]: the point [m] and 1, or 0 for the origin; when moving
+    bool moving = false;          // any of them is not the origin
+    Array<double> centre;         // [count][4]: the point [m] and 1, or 0 for the origin; when moving
     double period[3] = {0, 0, 0}; // of periodic axes, 0 of others [m]
-    Array<double> scale;   // [count] factor on the volumes of the solid's particles, when moving
+    Array<double> scale;          // [count] factor on the volumes of the solid's particles, when moving
 
     MomentReferencePoints(int bodies = 0) : count(bodies) {} // all of them the origin
 
@@ -29,7 +29,8 @@ struct MomentReferencePoints {
     }
 
     // Velocity [m/s] of a point that moves with a body, `motion` being six numbers a body: velocity and spin.
-    KOKKOS_INLINE_FUNCTION void velocity(const Array<double>& motion, int body, const double x[3], double out[3]) const {
+    KOKKOS_INLINE_FUNCTION void velocity(
+        const Array<double>& motion, int body, const double x[3], double out[3]) const {
         double lever[3];
         arm(body, x, lever);
         const double* m = &motion(6 * body);
@@ -52,7 +53,8 @@ struct MomentReferencePoints {
     KOKKOS_INLINE_FUNCTION void add_stiffness(double held[], int body, const double x[3], double c) const {
         double a[3];
         arm(body, x, a);
-        const double move[6][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
+        const double move[6][3] = {
+            {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
         double* of = held + 36 * body;
         for (int k = 0; k < 6; ++k) {
             for (int l = 0; l < 6; ++l) {

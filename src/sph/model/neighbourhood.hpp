@@ -8,23 +8,23 @@ namespace treacle::sph {
 
 // The constants of a run that every pair sum needs.
 struct Constants {
-    double support = 0;        // h [m]
-    double spacing = 0;        // d [m]
-    double mass = 0;           // m [kg], [kg/m] in 2D; of the first liquid
-    double rest_density = 0;   // rho0 [kg/m3]; of the first liquid
-    double rest_volume = 0;    // V0 [m^D]
-    double number_density = 0; // n0
-    double laplacian_diagonal = 0; // sum_j a_ij on the full lattice [1/m2]
-    double wall_laplacian_factor = 1;         // how many times a_is count as cover (lattice.hpp)
-    double wall_pressure_factor = 1;          // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
-    double wall_viscous_factor = 1;          // how many times V_s counts in the viscous sums (lattice.hpp)
+    double support = 0;               // h [m]
+    double spacing = 0;               // d [m]
+    double mass = 0;                  // m [kg], [kg/m] in 2D; of the first liquid
+    double rest_density = 0;          // rho0 [kg/m3]; of the first liquid
+    double rest_volume = 0;           // V0 [m^D]
+    double number_density = 0;        // n0
+    double laplacian_diagonal = 0;    // sum_j a_ij on the full lattice [1/m2]
+    double wall_laplacian_factor = 1; // how many times a_is count as cover (lattice.hpp)
+    double wall_pressure_factor = 1;  // how many times Akinci's one-sided pressure of solids acts (lattice.hpp)
+    double wall_viscous_factor = 1;   // how many times V_s counts in the viscous sums (lattice.hpp)
     double wall_kernel_sum = 0;       // sum of V0 |W'|/r of the lattice over a particle of a plane wall [1/m2]
-    double wall_volume = 0;        // V_s of a plane wall [m^D]
-    double wall_packing = 1;       // factor on V_s of solids at rest in all but viscous sums (density.hpp)
-    double wall_depth = 0;         // of the layer of solid particles below the surface [m]
+    double wall_volume = 0;           // V_s of a plane wall [m^D]
+    double wall_packing = 1;          // factor on V_s of solids at rest in all but viscous sums (density.hpp)
+    double wall_depth = 0;            // of the layer of solid particles below the surface [m]
     int dimensions = 3;
-    ImmiscibleLiquids immiscible;           // of several liquids, otherwise empty
-    int conveyors = 0;         // solids with numbers below it move along themselves: their particles stay, and carry no volume
+    ImmiscibleLiquids immiscible; // of several liquids, otherwise empty
+    int conveyors = 0; // solids with numbers below it move along themselves: their particles stay, and carry no volume
 };
 
 // The neighbours of one step: liquid around liquid, solid around liquid.
@@ -57,7 +57,9 @@ struct Row {
         return {dx, dy, dz, dx * dx + dy * dy + dz * dz, q.w};
     }
     // Lanes beyond the end of the row hold some other pair: what is summed must be 0 there.
-    KOKKOS_INLINE_FUNCTION SimdDouble within(int k, SimdDouble term) const { return select(tail_mask(count - k), term, 0.0); }
+    KOKKOS_INLINE_FUNCTION SimdDouble within(int k, SimdDouble term) const {
+        return select(tail_mask(count - k), term, 0.0);
+    }
 };
 
 // Pair sums over a list, for kernels: visit(j, dx, dy, dz, r2) with the vector from x_j to x_i.
@@ -105,7 +107,7 @@ struct Fluid {
     Array3 solid_velocity;                // [solids][3] [m/s]
     Array<double> solid_volume;           // [solids] V_s [m^D]
     Array<int> solid_body;                // [solids] number of the body, 0: walls of the domain
-    int count; // owned liquid particles
+    int count;                            // owned liquid particles
 
     // True when the velocity of a solid particle is that of its place.
     KOKKOS_INLINE_FUNCTION bool carries(int s) const {
@@ -119,20 +121,11 @@ struct Fluid {
 
 // Views of all that, without a copy.
 inline Fluid make_views(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
-                          const Neighbourhood& neighbours) {
-    return {constants,
-            pairs(neighbours.liquid, liquid.store, liquid.store),
-            pairs(neighbours.solid, liquid.store, solid.store),
-            liquid.place,
-            liquid.motion,
-            liquid.velocity(),
-            liquid.pressure(),
-            liquid.volume(),
-            liquid.load(),
-            solid.velocity(),
-            solid.volume(),
-            solid.body(),
-            liquid.store.owned()};
+    const Neighbourhood& neighbours) {
+    return {constants, pairs(neighbours.liquid, liquid.store, liquid.store),
+        pairs(neighbours.solid, liquid.store, solid.store), liquid.place, liquid.motion, liquid.velocity(),
+        liquid.pressure(), liquid.volume(), liquid.load(), solid.velocity(), solid.volume(), solid.body(),
+        liquid.store.owned()};
 }
 
 } // namespace treacle::sph

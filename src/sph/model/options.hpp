@@ -36,7 +36,7 @@ enum class PressurePreconditioner {
     sor_jacobi, // the dissertation's SORCG, 3.6
     gamg,
     boomeramg,
-    multilevel,      // Galerkin products on cells (src/solve/README.md)
+    multilevel,              // Galerkin products on cells (src/solve/README.md)
     multilevel_rediscretised // the dissertation's grids, 3.5
 };
 // Integration of the viscous force in time.
@@ -48,17 +48,17 @@ enum class ViscosityIntegration {
 };
 // Discrete viscous force (S4v), by the table of forms in README.md.
 enum class ViscosityForm {
-    corrected, // the adjoint form of exact gradients: rotations stay what they are
-    adjoint,   // the symmetric form of section 4.4
-    pairwise,  // Weiler et al. 2018
-    laplacian, // Brookshaw 1985, component by component
-    as_published    // equations 4.5-4.12, not symmetric
+    corrected,   // the adjoint form of exact gradients: rotations stay what they are
+    adjoint,     // the symmetric form of section 4.4
+    pairwise,    // Weiler et al. 2018
+    laplacian,   // Brookshaw 1985, component by component
+    as_published // equations 4.5-4.12, not symmetric
 };
 // Preconditioner of the viscous system.
 enum class ViscosityPreconditioner {
-    jacobi,      // the diagonal 3 x 3 blocks
-    multilevel,  // and multigrid over cells, matrix-free
-    gamg,        // of the assembled matrix
+    jacobi,     // the diagonal 3 x 3 blocks
+    multilevel, // and multigrid over cells, matrix-free
+    gamg,       // of the assembled matrix
     boomeramg
 };
 // Krylov method of the viscous system; bicgstab is PETSc's, of the assembled matrix.
@@ -100,7 +100,7 @@ struct MultilevelOptions {
     double jacobi_weight = 2.0 / 3; // above 0, at most 1
     MultilevelCycle cycle = MultilevelCycle::w;
     int coarse_sweeps = 1;
-    double grid_factor = 1.2;    // lambda of the dissertation
+    double grid_factor = 1.2; // lambda of the dissertation
 
     void declare(Declaration& d); // keys of `multilevel`
 };
@@ -108,33 +108,40 @@ struct MultilevelOptions {
 // Options of the block `pressure`, relative tolerances among them.
 struct PressureOptions {
     PressureSolver solver = PressureSolver::iisph;
-    double jacobi_weight = 0;       // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (src/sph/theory.md)
+    double jacobi_weight =
+        0; // omega of IISPH and DFSPH; 0: the published 0.5, or less where that diverges (src/sph/theory.md)
     DirichletRule dirichlet = DirichletRule::predicted;
     double prediction = 1;         // gamma of Eq. 2.6; the dissertation's 0.5 is noisier (src/sph/measurements.md)
     double surface_density = 0.97; // of the rest density, below which `density` and `predicted_density` mark a surface
     Clamping clamping = Clamping::pressures;
     SolidTerm solid_term = SolidTerm::exact;
-    double amplification_limit = 2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (src/sph/measurements.md)
+    double amplification_limit =
+        2; // gamma of Eq. 3.3; the dissertation's 5 ejects lone particles (src/sph/measurements.md)
     WallForce wall_force = WallForce::one_sided;
     WallContact wall_contact = WallContact::stop;
     BodyCoupling coupling = BodyCoupling::strong;
     PressurePreconditioner preconditioner = PressurePreconditioner::multilevel;
-    double relaxation = 1;          // omega of ssor and sor_jacobi
+    double relaxation = 1; // omega of ssor and sor_jacobi
     MultilevelOptions multilevel;
     StoppingRule stop = StoppingRule::density_error;
-    double density_error = 0;       // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
+    double density_error =
+        0; // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
     DensityRecovery recovery = DensityRecovery::automatic; // by what compressed liquid gets its density back
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
-    double largest_residual = 0;    // relative, that the density rule must reach as well (src/sph/theory.md); 0: residual_tolerance()
-    double residual = 1e-6;         // relative, for the residual rule
-    int corrections = 0;            // most of a step (orthomin_correction.hpp)
-    int max_iterations = 2000;      // of one solve; beyond: SimulationError
+    double largest_residual =
+        0; // relative, that the density rule must reach as well (src/sph/theory.md); 0: residual_tolerance()
+    double residual = 1e-6;    // relative, for the residual rule
+    int corrections = 0;       // most of a step (orthomin_correction.hpp)
+    int max_iterations = 2000; // of one solve; beyond: SimulationError
 
     // Tolerances for the two that are 0: with positions, pressures of the first solve gather no density error.
     double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
-    double residual_tolerance() const { return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1; }
+    double residual_tolerance() const {
+        return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1;
+    }
     bool recovers_places() const {
-        return recovery == DensityRecovery::positions || (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);
+        return recovery == DensityRecovery::positions ||
+               (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);
     }
 
     void declare(Declaration& d); // keys of `pressure`
@@ -153,22 +160,22 @@ private:
 struct ViscosityOptions {
     ViscosityIntegration integration = ViscosityIntegration::automatic;
     ViscosityForm form = ViscosityForm::corrected;
-    double hourglass_coefficient = 1;   // kappa of the corrected form (src/sph/theory.md)
-    double support_ratio = 2.2;        // of the corrected form's sums, h / d
-    bool assembled = false;            // the matrix with its second ring, in place of products without one
+    double hourglass_coefficient = 1; // kappa of the corrected form (src/sph/theory.md)
+    double support_ratio = 2.2;       // of the corrected form's sums, h / d
+    bool assembled = false;           // the matrix with its second ring, in place of products without one
     ViscositySolver solver = ViscositySolver::conjugate_gradients;
     ViscosityPreconditioner preconditioner = ViscosityPreconditioner::multilevel;
     ViscosityGuess guess = ViscosityGuess::velocity;
     ViscosityPrecision precision = ViscosityPrecision::mixed;
-    double residual = 1e-6;            // relative
-    int max_iterations = 5000;         // of one solve; beyond: SimulationError
+    double residual = 1e-6;    // relative
+    int max_iterations = 5000; // of one solve; beyond: SimulationError
     BodyCoupling coupling = BodyCoupling::strong;
-    double picard_residual = 0.01;   // relative, with the viscosities of the velocities that were found
-    int max_picard_iterations = 4;           // most in a step, when viscosities depend on the shear rate
-    double artificial = 0.2;      // Monaghan's alpha
-    double reference_speed = 0;   // [m/s]; 0: sqrt(g H) of the initial liquid
-    double bulk = 4;              // zeta / mu of liquid that is stretched
-    double xsph = 0;              // share of the neighbours' mean velocity that moves a particle
+    double picard_residual = 0.01; // relative, with the viscosities of the velocities that were found
+    int max_picard_iterations = 4; // most in a step, when viscosities depend on the shear rate
+    double artificial = 0.2;       // Monaghan's alpha
+    double reference_speed = 0;    // [m/s]; 0: sqrt(g H) of the initial liquid
+    double bulk = 4;               // zeta / mu of liquid that is stretched
+    double xsph = 0;               // share of the neighbours' mean velocity that moves a particle
 
     void declare(Declaration& d); // keys of `viscosity`
 
@@ -188,12 +195,12 @@ struct SurfaceTensionOptions {
 // Options of hybrid incompressible SPH (dissertation, chapter 2), as the block `method` of a scene gives them.
 struct SphOptions {
     KernelKind kernel = KernelKind::cubic_spline;
-    double support_ratio = 2.5;     // h / d
+    double support_ratio = 2.5; // h / d
     DensityOptions density;
     PressureOptions pressure;
     ViscosityOptions viscosity;
     SurfaceTensionOptions surface_tension;
-    double max_load_imbalance = 1.15;  // largest over mean load of the ranks
+    double max_load_imbalance = 1.15; // largest over mean load of the ranks
 
     void declare(Declaration& d); // keys of `method`
 };

@@ -107,8 +107,8 @@ public:
     const Array<double>& volume() const { return store.get<Array<double>>(volume_); } // V_s [m^D]
     const Array<int>& body() const { return store.get<Array<int>>(body_); }           // 0: the domain's walls
 
-    const Array3& reference() const { return store.get<Array3>(reference_); }         // position at the start
-    const Array3& normal() const { return store.get<Array3>(normal_); }               // unit, out of the solid
+    const Array3& reference() const { return store.get<Array3>(reference_); }               // position at the start
+    const Array3& normal() const { return store.get<Array3>(normal_); }                     // unit, out of the solid
     const Array3& reference_normal() const { return store.get<Array3>(reference_normal_); } // at the start
     // With solids as unknowns (solid_rows.hpp); pressures are 0 without.
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
@@ -130,7 +130,8 @@ public:
     int row_field() const { return row_; }
 
 private:
-    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, hold_, wetting_, role_, row_;
+    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, hold_, wetting_, role_,
+        row_;
 };
 
 } // namespace treacle::sph

@@ -94,20 +94,16 @@ KOKKOS_INLINE_FUNCTION Eigen3 eigen(const Symmetric& s) {
 KOKKOS_INLINE_FUNCTION Symmetric inverse(const Symmetric& a) {
     const double cxx = a.yy * a.zz - a.yz * a.yz, cxy = a.xz * a.yz - a.xy * a.zz, cxz = a.xy * a.yz - a.xz * a.yy;
     const double scale = 1 / (a.xx * cxx + a.xy * cxy + a.xz * cxz);
-    return {scale * cxx,
-            scale * (a.xx * a.zz - a.xz * a.xz),
-            scale * (a.xx * a.yy - a.xy * a.xy),
-            scale * cxy,
-            scale * cxz,
-            scale * (a.xy * a.xz - a.xx * a.yz)};
+    return {scale * cxx, scale * (a.xx * a.zz - a.xz * a.xz), scale * (a.xx * a.yy - a.xy * a.xy), scale * cxy,
+        scale * cxz, scale * (a.xy * a.xz - a.xx * a.yz)};
 }
 
 // True when all eigenvalues exceed `least` for certain: the two larger ones have at most half of the trace each on
 // average.
 KOKKOS_INLINE_FUNCTION bool surely_above(const Symmetric& a, double least) {
     const double trace = a.xx + a.yy + a.zz;
-    const double determinant = a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.xz * a.yz) +
-                               a.xz * (a.xy * a.yz - a.xz * a.yy);
+    const double determinant =
+        a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.xz * a.yz) + a.xz * (a.xy * a.yz - a.xz * a.yy);
     return determinant > least * 0.25 * trace * trace;
 }
 

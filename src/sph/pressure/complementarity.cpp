@@ -16,8 +16,8 @@ std::int64_t Complementarity::anchor(const ComplementarityContext& parts) {
     std::vector<int> before(n);
     const auto role = on_host(liquid.role());
     for (std::size_t i = 0; i < n; ++i) before[i] = role(i);
-    const auto held = parts.pinning.anchor(parts.options, parts.constants, parts.comm, liquid, parts.neighbours,
-                                             parts.halo);
+    const auto held =
+        parts.pinning.anchor(parts.options, parts.constants, parts.comm, liquid, parts.neighbours, parts.halo);
     const auto after = on_host(liquid.role());
     held_.assign(n, 0);
     for (std::size_t i = 0; i < n; ++i) held_[i] = before[i] != after(i);
@@ -30,7 +30,7 @@ std::vector<solve::RowState> Complementarity::states(const LiquidParticles& liqu
     for (std::size_t i = 0; i < held_.size(); ++i) {
         if (row(i) < 0) continue;
         auto& state = out[static_cast<std::size_t>(row(i) - matrix.first_row())];
-        state = held_[i] != 0                ? solve::RowState::fixed
+        state = held_[i] != 0              ? solve::RowState::fixed
                 : role(i) == Role::poisson ? solve::RowState::free
                                            : solve::RowState::bound;
     }
@@ -38,8 +38,8 @@ std::vector<solve::RowState> Complementarity::states(const LiquidParticles& liqu
 }
 
 // Poisson: particles with pressure, and held ones that would have some.
-void Complementarity::write_roles(const ComplementarityContext& parts, const PressureSystem::HostSystem& host,
-                                  int first_row) {
+void Complementarity::write_roles(
+    const ComplementarityContext& parts, const PressureSystem::HostSystem& host, int first_row) {
     auto& liquid = parts.liquid;
     const auto role = on_host(liquid.role()), row = on_host(liquid.row());
     const auto gradient = solver_.gradient();
@@ -54,8 +54,7 @@ void Complementarity::write_roles(const ComplementarityContext& parts, const Pre
 }
 
 solve::SolveReport Complementarity::solve(const ComplementarityContext& parts, solve::Matrix& matrix,
-                                          const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test,
-                                          std::int64_t& pinned) {
+    const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test, std::int64_t& pinned) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     auto& liquid = parts.liquid;
     std::vector<int> first(held_.size());
@@ -67,8 +66,8 @@ solve::SolveReport Complementarity::solve(const ComplementarityContext& parts, s
     set_changes_ = 0;
     for (int round = 0;; ++round) {
         auto now = states(liquid, matrix);
-        const auto report = solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows},
-                                          now, test);
+        const auto report =
+            solver_.solve(matrix, {host.right_hand_side.data(), rows}, {host.solution.data(), rows}, now, test);
         set_changes_ += report.set_changes;
         const auto before = total;
         total = report.solve;

@@ -33,8 +33,7 @@ public:
     // Collective: solves in the arrays of `host`. The matrix is that of all particles with liquid neighbours. Writes the
     // roles: Poisson where the pressure is positive. `pinned`: particles of this rank that are held, in and out.
     solve::SolveReport solve(const ComplementarityContext& parts, solve::Matrix& matrix,
-                             const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test,
-                             std::int64_t& pinned);
+        const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test, std::int64_t& pinned);
 
     // Particles of this rank that the last solve gave another role than (S6), and the number of changes of its set.
     std::int64_t misclassified() const { return misclassified_; }
@@ -45,7 +44,7 @@ private:
     std::vector<solve::RowState> states(const LiquidParticles& liquid, const solve::Matrix& matrix) const;
 
     solve::ComplementaritySolver solver_;
-    std::vector<char> held_;   // [owned]
+    std::vector<char> held_; // [owned]
     std::int64_t misclassified_ = 0;
     int set_changes_ = 0;
 };

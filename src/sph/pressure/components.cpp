@@ -86,43 +86,48 @@ struct JoinLoop {
 };
 } // namespace
 
-std::int64_t PressurePinning::label(const SphOptions& options, const Constants& constants, const LiquidParticles& liquid,
-                              const Neighbourhood& neighbours) {
+std::int64_t PressurePinning::label(const SphOptions& options, const Constants& constants,
+    const LiquidParticles& liquid, const Neighbourhood& neighbours) {
     const int n = liquid.store.owned();
     reserve(root_, static_cast<std::size_t>(liquid.store.total()));
     reserve(has_datum_, static_cast<std::size_t>(n));
     const auto root = root_, has_datum = has_datum_;
     const auto role = liquid.role();
     const Forest forest{root_};
-    Kokkos::parallel_for("treacle::start_components", liquid.store.total(), KOKKOS_LAMBDA(int i) {
-        root(i) = role(i) == Role::poisson ? i : -1;
-        if (i < n) has_datum(i) = 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::start_components", liquid.store.total(), KOKKOS_LAMBDA(int i) {
+            root(i) = role(i) == Role::poisson ? i : -1;
+            if (i < n) has_datum(i) = 0;
+        });
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::join_components", n,
-                                 JoinLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
-                                                           pairs(neighbours.liquid, liquid.store, liquid.store),
-                                                           forest, liquid.wall_term(), liquid.diagonal(), has_datum_});
+                JoinLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
+                    pairs(neighbours.liquid, liquid.store, liquid.store), forest, liquid.wall_term(), liquid.diagonal(),
+                    has_datum_});
         });
     });
-    Kokkos::parallel_for("treacle::flatten_components", n, KOKKOS_LAMBDA(int i) {
-        if (role(i) != Role::poisson) return;
-        root(i) = forest.find(i);
-        if (has_datum(i) == 1) Kokkos::atomic_exchange(&has_datum(root(i)), 1);
-    });
+    Kokkos::parallel_for(
+        "treacle::flatten_components", n, KOKKOS_LAMBDA(int i) {
+            if (role(i) != Role::poisson) return;
+            root(i) = forest.find(i);
+            if (has_datum(i) == 1) Kokkos::atomic_exchange(&has_datum(root(i)), 1);
+        });
     int loose = 0;
-    Kokkos::parallel_reduce("treacle::count_loose", n, KOKKOS_LAMBDA(int i, int& sum) {
-        sum += static_cast<int>(role(i) == Role::poisson && root(i) == i && has_datum(i) == 0);
-    }, loose);
+    Kokkos::parallel_reduce(
+        "treacle::count_loose", n,
+        KOKKOS_LAMBDA(int i, int& sum) {
+            sum += static_cast<int>(role(i) == Role::poisson && root(i) == i && has_datum(i) == 0);
+        },
+        loose);
     return loose;
 }
 
 // Lowers the label of each component to the least of the components that it touches on other ranks.
-void PressurePinning::merge_across_ranks(const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours,
-                                   Halo& halo) {
+void PressurePinning::merge_across_ranks(
+    const Comm& comm, LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     const int n = liquid.store.owned();
     const int first = static_cast<int>(comm.exclusive_sum(static_cast<std::int64_t>(n)));
     reserve(label_, static_cast<std::size_t>(n));
@@ -130,24 +135,27 @@ void PressurePinning::merge_across_ranks(const Comm& comm, LiquidParticles& liqu
     const auto role = liquid.role(), component = liquid.component();
     const auto offset = neighbours.liquid.offset;
     const auto index = neighbours.liquid.index;
-    Kokkos::parallel_for("treacle::start_labels", n, KOKKOS_LAMBDA(int i) {
-        label(i) = has_datum(i) == 1 ? -1 : first + i;
-    });
+    Kokkos::parallel_for(
+        "treacle::start_labels", n, KOKKOS_LAMBDA(int i) { label(i) = has_datum(i) == 1 ? -1 : first + i; });
     for (bool changing = true; changing;) {
-        Kokkos::parallel_for("treacle::spread_labels", n, KOKKOS_LAMBDA(int i) {
-            if (role(i) == Role::poisson) component(i) = label(root(i));
-        });
+        Kokkos::parallel_for(
+            "treacle::spread_labels", n, KOKKOS_LAMBDA(int i) {
+                if (role(i) == Role::poisson) component(i) = label(root(i));
+            });
         halo.gather(liquid.store, {liquid.component_field()});
         int changes = 0;
-        Kokkos::parallel_reduce("treacle::merge_labels", n, KOKKOS_LAMBDA(int i, int& sum) {
-            if (role(i) != Role::poisson || label(root(i)) < 0) return;
-            for (std::int64_t k = offset(i); k < offset(i + 1); ++k) {
-                const int j = index(k);
-                if (j < n || role(j) != Role::poisson || component(j) >= label(root(i))) continue;
-                Kokkos::atomic_fetch_min(&label(root(i)), component(j));
-                ++sum;
-            }
-        }, changes);
+        Kokkos::parallel_reduce(
+            "treacle::merge_labels", n,
+            KOKKOS_LAMBDA(int i, int& sum) {
+                if (role(i) != Role::poisson || label(root(i)) < 0) return;
+                for (std::int64_t k = offset(i); k < offset(i + 1); ++k) {
+                    const int j = index(k);
+                    if (j < n || role(j) != Role::poisson || component(j) >= label(root(i))) continue;
+                    Kokkos::atomic_fetch_min(&label(root(i)), component(j));
+                    ++sum;
+                }
+            },
+            changes);
         changing = comm.any(changes > 0);
     }
 }
@@ -190,7 +198,8 @@ std::int64_t PressurePinning::choose_anchors(const Comm& comm, LiquidParticles& 
     for (std::size_t k = 0; k < all_sources.size(); ++k) {
         if (best.count(all_keys[2 * k]) == 0) continue;
         const auto& own = best.at(all_keys[2 * k]);
-        if (own.index < 0 || own.id != all_keys[2 * k + 1]) offer(all_keys[2 * k], {all_sources[k], all_keys[2 * k + 1], -1});
+        if (own.index < 0 || own.id != all_keys[2 * k + 1])
+            offer(all_keys[2 * k], {all_sources[k], all_keys[2 * k + 1], -1});
     }
     std::int64_t chosen = 0;
     for (const auto& [component, candidate] : best) {
@@ -203,7 +212,7 @@ std::int64_t PressurePinning::choose_anchors(const Comm& comm, LiquidParticles& 
 }
 
 std::int64_t PressurePinning::anchor(const SphOptions& options, const Constants& constants, const Comm& comm,
-                               LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
+    LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     std::int64_t all = 0;
     while (comm.any(label(options, constants, liquid, neighbours) > 0)) {
         merge_across_ranks(comm, liquid, neighbours, halo);

@@ -26,8 +26,8 @@ struct LaplacianWeight {
 
 // Weight of the liquid's volumes, whose field it shares.
 template <class Kernel>
-LaplacianWeight<Kernel> laplacian_weight(const Kernel& kernel, const Constants& constants,
-                                         const LiquidParticles& liquid) {
+LaplacianWeight<Kernel> laplacian_weight(
+    const Kernel& kernel, const Constants& constants, const LiquidParticles& liquid) {
     return {kernel, 0.01 * constants.support * constants.support, liquid.volume()};
 }
 

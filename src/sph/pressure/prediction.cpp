@@ -12,11 +12,11 @@ constexpr double start_slack = 1e-4;
 
 // Pair sums of one liquid particle that its row of the pressure system is made of.
 struct RowSums {
-    double divergence = 0;     // sum m (u_i - u_j).grad W + rho0 sum V_s (u_i - u_s).grad W [kg/m3/s]
-    double weights = 0;        // sum_j a_ij [1/m2]
-    double weighted = 0;       // sum_j a_ij p_j [Pa/m2]
-    double solid_weights = 0;  // sum_s a_is [1/m2]
-    double cover = 0;          // of the full lattice's sum_j a_ij, what is there, all at rest volumes [1/m2]
+    double divergence = 0;               // sum m (u_i - u_j).grad W + rho0 sum V_s (u_i - u_s).grad W [kg/m3/s]
+    double weights = 0;                  // sum_j a_ij [1/m2]
+    double weighted = 0;                 // sum_j a_ij p_j [Pa/m2]
+    double solid_weights = 0;            // sum_s a_is [1/m2]
+    double cover = 0;                    // of the full lattice's sum_j a_ij, what is there, all at rest volumes [1/m2]
     double liquid_vector[3] = {0, 0, 0}; // sum_j V_ij grad W [1/m]
     double wall_vector[3] = {0, 0, 0};   // sum_s V_s grad W [1/m]
 
@@ -99,9 +99,8 @@ struct PredictionLoop {
     KOKKOS_INLINE_FUNCTION double cover(int i) const {
         const double rest = fluid.constants.rest_volume;
         double sum = 0, walls = 0;
-        fluid.liquid.each(i, [&](int, double, double, double, double r2) {
-            sum += laplacian.weight(2 * rest, r2, math::sqrt(r2));
-        });
+        fluid.liquid.each(
+            i, [&](int, double, double, double, double r2) { sum += laplacian.weight(2 * rest, r2, math::sqrt(r2)); });
         fluid.solid.each(i, [&](int s, double, double, double, double r2) {
             walls += laplacian.weight(rest + fluid.solid_volume(s), r2, math::sqrt(r2));
         });
@@ -115,7 +114,8 @@ struct PredictionLoop {
         if (starting && sum.weights > 0) return 0;
         if (options.solid_term == SolidTerm::decomposed) return sum.decomposed() / liquids.density(i);
         const double ratio = fluid.constants.rest_density / fluid.constants.mass * fluid.volume(i);
-        return fluid.constants.wall_pressure_factor * ratio * ratio * sum.wall_square() / liquids.density(i); // alpha_i of Eq. 3.2
+        return fluid.constants.wall_pressure_factor * ratio * ratio * sum.wall_square() /
+               liquids.density(i); // alpha_i of Eq. 3.2
     }
 
     // Addition to the diagonal by neighbours at zero pressure in the place of those that lack (src/sph/theory.md).
@@ -125,8 +125,8 @@ struct PredictionLoop {
     }
 
     // `weights` are those of the system without walls.
-    KOKKOS_INLINE_FUNCTION double right_hand_side(int i, const RowSums& sum, double b, double alpha, double weights,
-                                                  double answered) const {
+    KOKKOS_INLINE_FUNCTION double right_hand_side(
+        int i, const RowSums& sum, double b, double alpha, double weights, double answered) const {
         if (alpha == 0 || sum.weights == 0) return b;
         const double gain = math::min(options.amplification_limit - 1, alpha / weights);
         const double amplified = b + gain * b;
@@ -191,7 +191,8 @@ RoleCounts predict(const StepContext& parts, LastPressures pressures, double dt,
     auto& liquid = parts.liquid;
     pack_positions(liquid, liquid.volume());
     pack_velocities(liquid);
-    if (options.pressure.dirichlet == DirichletRule::surface) mark_surface(constants, liquid, parts.solid, parts.neighbours);
+    if (options.pressure.dirichlet == DirichletRule::surface)
+        mark_surface(constants, liquid, parts.solid, parts.neighbours);
     const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     int poissons = 0, separates = 0;
     with_kernel(options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
@@ -199,11 +200,10 @@ RoleCounts predict(const StepContext& parts, LastPressures pressures, double dt,
         with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_reduce("treacle::predict", fluid.count,
-                                    PredictionLoop<Kernel, Liquids>{
-                                        laplacian_weight(kernel, constants, liquid), liquids, fluid, options.pressure,
-                                        pressures, dt, coupling, liquid.response(), liquid.blended_density(),
-                                        liquid.source(), liquid.diagonal(), liquid.wall_term(), liquid.role()},
-                                    poissons, separates);
+                PredictionLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids, fluid,
+                    options.pressure, pressures, dt, coupling, liquid.response(), liquid.blended_density(),
+                    liquid.source(), liquid.diagonal(), liquid.wall_term(), liquid.role()},
+                poissons, separates);
         });
     });
     return {poissons, fluid.count - poissons - separates, separates};
@@ -213,10 +213,13 @@ RoleCounts count_roles(const LiquidParticles& liquid) {
     const auto role = liquid.role();
     const int n = liquid.store.owned();
     int poissons = 0, separates = 0;
-    Kokkos::parallel_reduce("treacle::count_roles", n, KOKKOS_LAMBDA(int i, int& poisson, int& separate) {
-        poisson += static_cast<int>(role(i) == Role::poisson);
-        separate += static_cast<int>(role(i) == Role::separated);
-    }, poissons, separates);
+    Kokkos::parallel_reduce(
+        "treacle::count_roles", n,
+        KOKKOS_LAMBDA(int i, int& poisson, int& separate) {
+            poisson += static_cast<int>(role(i) == Role::poisson);
+            separate += static_cast<int>(role(i) == Role::separated);
+        },
+        poissons, separates);
     return {poissons, n - poissons - separates, separates};
 }
 

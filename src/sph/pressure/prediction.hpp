@@ -22,7 +22,8 @@ enum class LastPressures { none, known };
 // (sum_j a_ij + wall term), wall_term: what walls and ghosts add. With solids as unknowns the diagonal has their a_is
 // too, and wall_term is left to SolidRows. Other rules than Eq. 2.6 and clamped sources: src/sph/theory.md.
 // Returns this rank's counts.
-RoleCounts predict(const StepContext& parts, LastPressures pressures, double dt, BodyCoupling coupling = BodyCoupling::weak);
+RoleCounts predict(
+    const StepContext& parts, LastPressures pressures, double dt, BodyCoupling coupling = BodyCoupling::weak);
 
 // This rank's particles by their present roles.
 RoleCounts count_roles(const LiquidParticles& liquid);

@@ -28,8 +28,8 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
     const auto& given = options.pressure.multilevel;
     solve::MultilevelOptions out;
     out.overcorrection = given.overcorrection;
-    out.smoother = given.smoother == MultilevelSmoother::jacobi ? solve::Smoother::jacobi
-                                                                : solve::Smoother::gauss_seidel;
+    out.smoother =
+        given.smoother == MultilevelSmoother::jacobi ? solve::Smoother::jacobi : solve::Smoother::gauss_seidel;
     out.cycle = given.cycle == MultilevelCycle::w ? solve::Cycle::w : solve::Cycle::v;
     out.jacobi_weight = given.jacobi_weight;
     out.coarse_sweeps = given.coarse_sweeps;
@@ -48,7 +48,7 @@ solve::MultilevelOptions algebra(const SphOptions& options, const Constants& con
 } // namespace
 
 PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants,
-                                     const DomainBox& domain, const CellGrid& grid)
+    const DomainBox& domain, const CellGrid& grid)
     : grid_(finest_grid(options, constants, grid)), domain_(domain), immiscible_(constants.immiscible),
       solids_unknown_(options.pressure.solid_term == SolidTerm::unknowns),
       multilevel_(comm, algebra(options, constants, grid)),
@@ -56,7 +56,7 @@ PressureHierarchy::PressureHierarchy(const Comm& comm, const SphOptions& options
 
 solve::UserPreconditioner PressureHierarchy::preconditioner() {
     return {[this](std::span<const double> r, std::span<double> z) { multilevel_.apply(r, z); },
-            [this](solve::Matrix& matrix) { set_up(matrix); }};
+        [this](solve::Matrix& matrix) { set_up(matrix); }};
 }
 
 template <class Particles>
@@ -65,36 +65,40 @@ void PressureHierarchy::locate_rows(const Particles& particles, int first_row) {
     const auto row = particles.row();
     const auto cells = cells_;
     const auto grid = grid_;
-    Kokkos::parallel_for("treacle::locate_rows", particles.store.owned(), KOKKOS_LAMBDA(int i) {
-        if (row(i) < 0) return;
-        int c[3];
-        grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
-        for (int k = 0; k < 3; ++k) cells(3 * (row(i) - first_row) + k) = c[k];
-    });
+    Kokkos::parallel_for(
+        "treacle::locate_rows", particles.store.owned(), KOKKOS_LAMBDA(int i) {
+            if (row(i) < 0) return;
+            int c[3];
+            grid.locate(x(i, 0), x(i, 1), x(i, 2), c);
+            for (int k = 0; k < 3; ++k) cells(3 * (row(i) - first_row) + k) = c[k];
+        });
 }
 
 void PressureHierarchy::find_walls(int first_row) {
     const auto row = liquid_->row();
     const auto wall = liquid_->wall_term(), walls = walls_;
-    Kokkos::parallel_for("treacle::find_walls", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
-        if (row(i) >= 0) walls(row(i) - first_row) = wall(i);
-    });
+    Kokkos::parallel_for(
+        "treacle::find_walls", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+            if (row(i) >= 0) walls(row(i) - first_row) = wall(i);
+        });
 }
 
 void PressureHierarchy::find_densities(int first_row) {
     const auto row = liquid_->row(), of = liquid_->liquid();
     const auto density = immiscible_.density, densities = densities_;
-    Kokkos::parallel_for("treacle::find_densities", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
-        if (row(i) >= 0) densities(row(i) - first_row) = density(of(i));
-    });
+    Kokkos::parallel_for(
+        "treacle::find_densities", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+            if (row(i) >= 0) densities(row(i) - first_row) = density(of(i));
+        });
 }
 
 void PressureHierarchy::find_fixed(int first_row) {
     const auto row = liquid_->row(), role = liquid_->role();
     const auto fixed = fixed_;
-    Kokkos::parallel_for("treacle::find_fixed", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
-        if (row(i) >= 0) fixed(row(i) - first_row) = role(i) == Role::poisson ? 0 : 1;
-    });
+    Kokkos::parallel_for(
+        "treacle::find_fixed", liquid_->store.owned(), KOKKOS_LAMBDA(int i) {
+            if (row(i) >= 0) fixed(row(i) - first_row) = role(i) == Role::poisson ? 0 : 1;
+        });
 }
 
 // Cells with a Dirichlet particle, and cells of air beside liquid: those without particles, inside the domain.
@@ -194,11 +198,11 @@ solve::Preconditioner translate(PressurePreconditioner kind) {
 } // namespace
 
 std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOptions& options,
-                                                  const Constants& constants, const DomainBox& domain,
-                                                  const CellGrid& grid) {
+    const Constants& constants, const DomainBox& domain, const CellGrid& grid) {
     if (options.pressure.solver != PressureSolver::isph) return nullptr;
     const auto kind = options.pressure.preconditioner;
-    if (kind != PressurePreconditioner::multilevel && kind != PressurePreconditioner::multilevel_rediscretised) return nullptr;
+    if (kind != PressurePreconditioner::multilevel && kind != PressurePreconditioner::multilevel_rediscretised)
+        return nullptr;
     return std::make_unique<PressureHierarchy>(comm, options, constants, domain, grid);
 }
 

@@ -14,7 +14,7 @@ namespace treacle::sph {
 class PressureHierarchy {
 public:
     PressureHierarchy(const Comm& comm, const SphOptions& options, const Constants& constants, const DomainBox& domain,
-                      const CellGrid& grid);
+        const CellGrid& grid);
 
     // For the solver; refers to this object.
     solve::UserPreconditioner preconditioner();
@@ -39,25 +39,24 @@ public:
 private:
     void find_dirichlet_cells();
 
-    CellGrid grid_;      // of the finest level
+    CellGrid grid_; // of the finest level
     DomainBox domain_;
     ImmiscibleLiquids immiscible_;
     bool solids_unknown_;
     const LiquidParticles* liquid_ = nullptr;
     const SolidParticles* solid_ = nullptr;
     solve::Multilevel multilevel_;
-    Array<int> cells_{"treacle::row_cell", 0};      // [rows * 3]
-    Array<double> walls_{"treacle::row_wall", 0};   // [rows]
-    Array<double> densities_{"treacle::row_density", 0}; // [rows] of the liquids over the first one's
-    bool bounded_;                                  // Dirichlet particles have rows too
+    Array<int> cells_{"treacle::row_cell", 0};            // [rows * 3]
+    Array<double> walls_{"treacle::row_wall", 0};         // [rows]
+    Array<double> densities_{"treacle::row_density", 0};  // [rows] of the liquids over the first one's
+    bool bounded_;                                        // Dirichlet particles have rows too
     Array<unsigned char> fixed_{"treacle::row_fixed", 0}; // [rows], 1: of a Dirichlet particle
-    std::vector<int> dirichlet_;                    // [n][3]
+    std::vector<int> dirichlet_;                          // [n][3]
 };
 
 // The one of the options; null for other preconditioners and other solvers.
 std::unique_ptr<PressureHierarchy> make_hierarchy(const Comm& comm, const SphOptions& options,
-                                                  const Constants& constants, const DomainBox& domain,
-                                                  const CellGrid& grid);
+    const Constants& constants, const DomainBox& domain, const CellGrid& grid);
 solve::KrylovOptions krylov_options(const SphOptions& options, int dimensions, PressureHierarchy* hierarchy);
 
 } // namespace treacle::sph

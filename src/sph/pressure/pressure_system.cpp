@@ -16,12 +16,15 @@ void PressureSystem::number_rows(const SphOptions& options, const Comm& comm, Li
     const int n = liquid.store.owned();
     const auto count_rows = [&](int first) {
         int rows = 0;
-        Kokkos::parallel_scan("treacle::number_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-            const bool unknown = role(i) == Role::poisson ||
-                                 (bounded && role(i) == Role::dirichlet && diagonal(i) > wall(i));
-            if (last) row(i) = unknown ? first + sum : -1;
-            sum += static_cast<int>(unknown);
-        }, rows);
+        Kokkos::parallel_scan(
+            "treacle::number_rows", n,
+            KOKKOS_LAMBDA(int i, int& sum, bool last) {
+                const bool unknown =
+                    role(i) == Role::poisson || (bounded && role(i) == Role::dirichlet && diagonal(i) > wall(i));
+                if (last) row(i) = unknown ? first + sum : -1;
+                sum += static_cast<int>(unknown);
+            },
+            rows);
         return rows;
     };
     rows_ = count_rows(0);
@@ -55,8 +58,8 @@ void PressureSystem::place_ghosts(const LiquidParticles& liquid) {
     const auto row = liquid.row(), place = ghost_place_;
     const auto places = places_;
     const int owned = liquid.store.owned();
-    Kokkos::parallel_for("treacle::place_ghosts", liquid.store.ghosts(),
-                         KOKKOS_LAMBDA(int g) { place(g) = places(row(owned + g)); });
+    Kokkos::parallel_for(
+        "treacle::place_ghosts", liquid.store.ghosts(), KOKKOS_LAMBDA(int g) { place(g) = places(row(owned + g)); });
 }
 
 namespace {
@@ -103,8 +106,8 @@ struct FillLoop {
         bool diagonal_written = false, rising = true;
         for (int k = 0; k < around.count; k += lanes) {
             const auto d = around.near(k);
-            const SimdDouble value = -partners.conduct(around.index + k,
-                                                  laplacian.weight(volume + d.number, d.r2, distance(d.r2).r));
+            const SimdDouble value =
+                -partners.conduct(around.index + k, laplacian.weight(volume + d.number, d.r2, distance(d.r2).r));
             const SimdInt index = load_ints(around.index + k), global = gather_ints(row.data(), index);
             const SimdInt column = shift_ints(global, -first);
             const unsigned unknown = first_bits(around.count - k) & ~bits_below(global, 0);
@@ -138,14 +141,14 @@ void PressureSystem::count_entries(const LiquidParticles& liquid, const Neighbou
     reserve(own_.offset, n_rows + 1);
     reserve(other_.offset, n_rows + 1);
     Kokkos::parallel_for("treacle::count_entries", liquid.store.owned(),
-                         CountLoop{neighbours.liquid.offset, neighbours.liquid.index, liquid.row(), own_.offset,
-                                   other_.offset, static_cast<int>(first_row_), rows_});
+        CountLoop{neighbours.liquid.offset, neighbours.liquid.index, liquid.row(), own_.offset, other_.offset,
+            static_cast<int>(first_row_), rows_});
     own_entries_ = counts_to_offsets(own_.offset, rows_);
     other_entries_ = counts_to_offsets(other_.offset, rows_);
 }
 
 void PressureSystem::assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
-                              LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
+    LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     number_rows(options, comm, liquid, halo);
     connect_halo(comm, {{liquid.store, liquid.row()}});
     place_ghosts(liquid);
@@ -161,22 +164,19 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
         using Kernel = std::decay_t<decltype(kernel)>;
         with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
             using Liquids = std::decay_t<decltype(liquids)>;
-            Kokkos::parallel_for(
-                "treacle::fill_matrix", liquid.store.owned(),
+            Kokkos::parallel_for("treacle::fill_matrix", liquid.store.owned(),
                 FillLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
-                                          pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_,
-                                          other_, liquid.row(), ghost_place_, liquid.diagonal(), liquid.source(),
-                                          liquid.pressure(), right_hand_side_, solution_,
-                                          static_cast<int>(first_row_), rows_, liquid.store.owned()});
+                    pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_, other_, liquid.row(),
+                    ghost_place_, liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_, solution_,
+                    static_cast<int>(first_row_), rows_, liquid.store.owned()});
         });
     });
 }
 
 PressureSystem::HostSystem PressureSystem::to_host() const {
     return {{on_host(own_.offset), on_host(own_.column), on_host(own_.value)},
-            {on_host(other_.offset), on_host(other_.column), on_host(other_.value)},
-            on_host(right_hand_side_),
-            on_host(solution_)};
+        {on_host(other_.offset), on_host(other_.column), on_host(other_.value)}, on_host(right_hand_side_),
+        on_host(solution_)};
 }
 
 solve::CsrBlocks PressureSystem::blocks(const HostSystem& host) {
@@ -189,13 +189,14 @@ void PressureSystem::store_pressure(LiquidParticles& liquid) const {
     const auto row = liquid.row(), role = liquid.role();
     const auto p = liquid.pressure(), source = liquid.source(), wall = liquid.wall_term(), x = solution_;
     const int first = static_cast<int>(first_row_);
-    Kokkos::parallel_for("treacle::store_pressure", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        if (role(i) == Role::poisson) {
-            p(i) = math::max(0.0, x(row(i) - first));
-        } else {
-            p(i) = role(i) == Role::separated ? source(i) / wall(i) : 0.0;
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::store_pressure", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            if (role(i) == Role::poisson) {
+                p(i) = math::max(0.0, x(row(i) - first));
+            } else {
+                p(i) = role(i) == Role::separated ? source(i) / wall(i) : 0.0;
+            }
+        });
 }
 
 std::size_t PressureSystem::bytes() const {

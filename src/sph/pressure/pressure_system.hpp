@@ -44,14 +44,14 @@ public:
     // Collective. Numbers the rows, gathers the ghosts' numbers, and fills matrix, right-hand side and first
     // guess p^t. With `dirichlet: complementarity`, Dirichlet particles with liquid neighbours have rows too. Roles of
     // owned and ghost particles must be current.
-    void assemble(const SphOptions& options, const Constants& constants, const Comm& comm,
-                  LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo);
+    void assemble(const SphOptions& options, const Constants& constants, const Comm& comm, LiquidParticles& liquid,
+        const Neighbourhood& neighbours, Halo& halo);
 
     // The same with solid particles as unknowns: on each rank the liquid's rows, then the solids',
     //     sum_j a_ij (p_i - p_j) + sum_s a_is (p_i - p_s) = b_i,  sum_j a_sj (p_s - p_j) + sum_t a_st (p_s - p_t) = 0
     // Roles of owned and ghost particles of both must be current (SolidRows::predict).
-    void assemble_with_solids(const SphOptions& options, const Constants& constants, const Comm& comm,
-                        const CoupledParticles& joint);
+    void assemble_with_solids(
+        const SphOptions& options, const Constants& constants, const Comm& comm, const CoupledParticles& joint);
     void store_solid_pressure(SolidParticles& solid) const;
 
     // Writes the solution back as pressures [Pa], negative ones clamped to zero (Algorithm 2); Dirichlet and
@@ -107,7 +107,7 @@ public:
 private:
     Block own_, other_;
     RowHalo halo_;
-    std::vector<int> halo_columns_;     // scratch of connect_halo()
+    std::vector<int> halo_columns_; // scratch of connect_halo()
     HaloPlaces places_;
     Array<int> ghost_place_{"treacle::ghost_place", 0}; // [ghosts] place of the liquid ghost's row in the halo
     Array<double> right_hand_side_{"treacle::right_hand_side", 0};

@@ -65,24 +65,27 @@ struct ImpulseLoop : LoadReduction {
 };
 } // namespace
 
-void RigidCouplingTerm::count(const LiquidParticles& liquid, const SolidParticles& solid,
-                         const Neighbourhood& neighbours) {
+void RigidCouplingTerm::count(
+    const LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours) {
     const int n = liquid.store.owned();
     reserve(offset_, static_cast<std::size_t>(n + 1));
     const auto list = pairs(neighbours.solid, liquid.store, solid.store);
     const auto body = solid.body(), dynamic = dynamic_, offset = offset_;
     int total = 0;
-    Kokkos::parallel_scan("treacle::count_responses", n + 1, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-        int here = 0;
-        if (i < n) {
-            for (std::int64_t k = list.offset(i); k < list.offset(i + 1); ++k) {
-                const int b = body(list.index(k));
-                here += static_cast<int>(dynamic(b) != 0 && is_first(list, body, list.offset(i), k));
+    Kokkos::parallel_scan(
+        "treacle::count_responses", n + 1,
+        KOKKOS_LAMBDA(int i, int& sum, bool last) {
+            int here = 0;
+            if (i < n) {
+                for (std::int64_t k = list.offset(i); k < list.offset(i + 1); ++k) {
+                    const int b = body(list.index(k));
+                    here += static_cast<int>(dynamic(b) != 0 && is_first(list, body, list.offset(i), k));
+                }
             }
-        }
-        if (last) offset(i) = sum;
-        sum += here;
-    }, total);
+            if (last) offset(i) = sum;
+            sum += here;
+        },
+        total);
     entries_ = total;
 }
 
@@ -107,15 +110,15 @@ void RigidCouplingTerm::build(const StepContext& parts, const Bodies& bodies) {
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::responses", fluid.count,
-                             ResponseLoop<Kernel>{kernel, fluid, bodies.moment_reference_points(), dynamic_, offset_, body_, row_});
+            ResponseLoop<Kernel>{kernel, fluid, bodies.moment_reference_points(), dynamic_, offset_, body_, row_});
     });
 }
 
 // Velocities that impulses on the bodies give, 6 numbers a load.
 std::vector<double> RigidCouplingTerm::respond(std::span<const double> impulses) const {
     std::vector<double> out(impulses.size(), 0.0);
-    std::ranges::copy(mobility_.respond(impulses.subspan(6 * first_)),
-                      out.begin() + static_cast<std::ptrdiff_t>(6 * first_));
+    std::ranges::copy(
+        mobility_.respond(impulses.subspan(6 * first_)), out.begin() + static_cast<std::ptrdiff_t>(6 * first_));
     return out;
 }
 
@@ -123,24 +126,27 @@ void RigidCouplingTerm::apply_to_pressure(const Comm& comm, LiquidParticles& liq
     apply(comm, liquid.store.owned(), liquid.pressure(), liquid.response());
 }
 
-void RigidCouplingTerm::apply(const Comm& comm, int owned, const Array<double>& x, const Array<double>& response) const {
+void RigidCouplingTerm::apply(
+    const Comm& comm, int owned, const Array<double>& x, const Array<double>& response) const {
     std::vector<double> sums(6 * loads_, 0.0);
-    Kokkos::parallel_reduce("treacle::body_impulses", owned, ImpulseLoop{{sums.size()}, offset_, body_, row_, x}, host_sums(sums));
+    Kokkos::parallel_reduce(
+        "treacle::body_impulses", owned, ImpulseLoop{{sums.size()}, offset_, body_, row_, x}, host_sums(sums));
     comm.sum(std::span(sums));
     const auto moved = upload(respond(sums));
     const auto offset = offset_, body = body_;
     const auto row = row_;
-    Kokkos::parallel_for("treacle::body_response", owned, KOKKOS_LAMBDA(int i) {
-        double sum = 0;
-        for (int e = offset(i); e < offset(i + 1); ++e) {
-            for (int k = 0; k < 6; ++k) sum += row(6 * e + k) * moved(6 * body(e) + k);
-        }
-        response(i) = sum;
-    });
+    Kokkos::parallel_for(
+        "treacle::body_response", owned, KOKKOS_LAMBDA(int i) {
+            double sum = 0;
+            for (int e = offset(i); e < offset(i + 1); ++e) {
+                for (int k = 0; k < 6; ++k) sum += row(6 * e + k) * moved(6 * body(e) + k);
+            }
+            response(i) = sum;
+        });
 }
 
-RigidCouplingTerm::Addition RigidCouplingTerm::addition(const Comm& comm, const LiquidParticles& liquid,
-                                              const PressureSystem& system) const {
+RigidCouplingTerm::Addition RigidCouplingTerm::addition(
+    const Comm& comm, const LiquidParticles& liquid, const PressureSystem& system) const {
     struct Entry {
         std::size_t row, body;
         double u[6];
@@ -151,7 +157,8 @@ RigidCouplingTerm::Addition RigidCouplingTerm::addition(const Comm& comm, const 
     for (int i = 0; i < liquid.store.owned(); ++i) {
         if (number(i) < 0) continue;
         for (int e = offset(i); e < offset(i + 1); ++e) {
-            Entry entry{static_cast<std::size_t>(number(i) - system.first_row()), static_cast<std::size_t>(body(e)), {}};
+            Entry entry{
+                static_cast<std::size_t>(number(i) - system.first_row()), static_cast<std::size_t>(body(e)), {}};
             for (int k = 0; k < 6; ++k) entry.u[k] = row(6 * e + k);
             entries.push_back(entry);
         }

@@ -35,8 +35,8 @@ private:
     std::vector<double> respond(std::span<const double> impulses) const;
 
     rigid::ConstrainedInverseMass mobility_;
-    std::size_t first_ = 0, loads_ = 0; // number of the first body, of all loads
-    Array<int> dynamic_{"treacle::dynamic", 0};     // per load: 0 or 1
+    std::size_t first_ = 0, loads_ = 0;                // number of the first body, of all loads
+    Array<int> dynamic_{"treacle::dynamic", 0};        // per load: 0 or 1
     Array<int> offset_{"treacle::response_offset", 0}; // [owned + 1]
     Array<int> body_{"treacle::response_body", 0};     // [entries], number of the load
     Array<double> row_{"treacle::response_row", 0};    // [entries][6]

@@ -120,35 +120,40 @@ struct JointLoop {
 // By themselves, since nvcc takes no kernel in a generic lambda.
 template <class Kernel>
 void count_rows(const char* label, int size, const JointLoop<Kernel>& loop) {
-    Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.count(i); });
+    Kokkos::parallel_for(
+        label, size, KOKKOS_LAMBDA(int i) { loop.count(i); });
 }
 template <class Kernel>
 void fill_rows(const char* label, int size, const JointLoop<Kernel>& loop) {
-    Kokkos::parallel_for(label, size, KOKKOS_LAMBDA(int i) { loop.fill(i); });
+    Kokkos::parallel_for(
+        label, size, KOKKOS_LAMBDA(int i) { loop.fill(i); });
 }
 
 int number(const Array<int>& role, const Array<int>& row, int n, int first) {
     int rows = 0;
-    Kokkos::parallel_scan("treacle::number_joint_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-        const bool unknown = role(i) == Role::poisson;
-        if (last) row(i) = unknown ? first + sum : -1;
-        sum += static_cast<int>(unknown);
-    }, rows);
+    Kokkos::parallel_scan(
+        "treacle::number_joint_rows", n,
+        KOKKOS_LAMBDA(int i, int& sum, bool last) {
+            const bool unknown = role(i) == Role::poisson;
+            if (last) row(i) = unknown ? first + sum : -1;
+            sum += static_cast<int>(unknown);
+        },
+        rows);
     return rows;
 }
 
 // Guess and source of the rows of a store.
-void write_vectors(int n, int first, const Array<int>& row, const Array<double>& pressure,
-                   const Array<double>& guess) {
-    Kokkos::parallel_for("treacle::joint_guess", n, KOKKOS_LAMBDA(int i) {
-        if (row(i) >= 0) guess(row(i) - first) = pressure(i);
-    });
+void write_vectors(int n, int first, const Array<int>& row, const Array<double>& pressure, const Array<double>& guess) {
+    Kokkos::parallel_for(
+        "treacle::joint_guess", n, KOKKOS_LAMBDA(int i) {
+            if (row(i) >= 0) guess(row(i) - first) = pressure(i);
+        });
 }
 } // namespace
 
 std::int64_t SolidRows::predict(const SphOptions& options, const Constants& constants,
-                                LiquidParticles& liquid_particles, SolidParticles& solid_particles,
-                                const Neighbourhood& neighbours, Halo& solid_halo) const {
+    LiquidParticles& liquid_particles, SolidParticles& solid_particles, const Neighbourhood& neighbours,
+    Halo& solid_halo) const {
     const auto& l = liquid_particles;
     const auto& s = solid_particles;
     const auto wet = pairs(liquid, s.store, l.store), dry = pairs(solid, s.store, s.store);
@@ -157,16 +162,14 @@ std::int64_t SolidRows::predict(const SphOptions& options, const Constants& cons
         using Kernel = std::decay_t<decltype(kernel)>;
         const auto laplacian = laplacian_weight(kernel, constants, l);
         Kokkos::parallel_reduce("treacle::solid_roles", s.store.owned(),
-                                SolidRoleLoop<Kernel>{laplacian, wet, dry, s.volume(), s.diagonal(), l.role(), s.role()},
-                                unknowns);
+            SolidRoleLoop<Kernel>{laplacian, wet, dry, s.volume(), s.diagonal(), l.role(), s.role()}, unknowns);
         solid_halo.gather(s.store, {s.role_field()});
         Kokkos::parallel_for("treacle::solid_holds", s.store.owned(),
-                             SolidHoldLoop<Kernel>{laplacian, wet, dry, s.volume(), s.diagonal(), s.hold(), l.role(),
-                                                   s.role()});
+            SolidHoldLoop<Kernel>{laplacian, wet, dry, s.volume(), s.diagonal(), s.hold(), l.role(), s.role()});
         solid_halo.gather(s.store, {s.hold_field()});
         Kokkos::parallel_for("treacle::liquid_holds", l.store.owned(),
-                             LiquidHoldLoop<Kernel>{laplacian, pairs(neighbours.solid, l.store, s.store), s.volume(),
-                                                    s.hold(), l.wall_term()});
+            LiquidHoldLoop<Kernel>{
+                laplacian, pairs(neighbours.solid, l.store, s.store), s.volume(), s.hold(), l.wall_term()});
     });
     return unknowns;
 }
@@ -185,8 +188,8 @@ void PressureSystem::number_joint_rows(const Comm& comm, const CoupledParticles&
     joint.solid_halo.gather(s.store, {s.row_field()});
 }
 
-void PressureSystem::assemble_with_solids(const SphOptions& options, const Constants& constants, const Comm& comm,
-                                    const CoupledParticles& joint) {
+void PressureSystem::assemble_with_solids(
+    const SphOptions& options, const Constants& constants, const Comm& comm, const CoupledParticles& joint) {
     number_joint_rows(comm, joint);
     const auto& l = joint.liquid;
     const auto& s = joint.solid;
@@ -201,13 +204,13 @@ void PressureSystem::assemble_with_solids(const SphOptions& options, const Const
         const auto laplacian = laplacian_weight(kernel, constants, l);
         const auto rows_of_liquid = [&] {
             return JointLoop<Kernel>{laplacian, pairs(joint.neighbours.liquid, l.store, l.store),
-                                     pairs(joint.neighbours.solid, l.store, s.store), l.row(), l.row(), s.row(),
-                                     l.volume(), s.volume(), own_, other_, l.diagonal(), places_, first, rows_};
+                pairs(joint.neighbours.solid, l.store, s.store), l.row(), l.row(), s.row(), l.volume(), s.volume(),
+                own_, other_, l.diagonal(), places_, first, rows_};
         };
         const auto rows_of_solid = [&] {
             return JointLoop<Kernel>{laplacian, pairs(joint.around.liquid, s.store, l.store),
-                                     pairs(joint.around.solid, s.store, s.store), s.row(), l.row(), s.row(),
-                                     s.volume(), s.volume(), own_, other_, s.diagonal(), places_, first, rows_};
+                pairs(joint.around.solid, s.store, s.store), s.row(), l.row(), s.row(), s.volume(), s.volume(), own_,
+                other_, s.diagonal(), places_, first, rows_};
         };
         count_rows("treacle::count_liquid_rows", n, rows_of_liquid());
         count_rows("treacle::count_solid_rows", walls, rows_of_solid());
@@ -230,9 +233,9 @@ void PressureSystem::store_solid_pressure(SolidParticles& solid) const {
     const auto row = solid.row();
     const auto p = solid.pressure(), x = solution_;
     const int first = static_cast<int>(first_row_);
-    Kokkos::parallel_for("treacle::store_solid_pressure", solid.store.owned(), KOKKOS_LAMBDA(int s) {
-        p(s) = row(s) >= 0 ? math::max(0.0, x(row(s) - first)) : 0.0;
-    });
+    Kokkos::parallel_for(
+        "treacle::store_solid_pressure", solid.store.owned(),
+        KOKKOS_LAMBDA(int s) { p(s) = row(s) >= 0 ? math::max(0.0, x(row(s) - first)) : 0.0; });
 }
 
 } // namespace treacle::sph

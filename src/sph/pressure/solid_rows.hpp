@@ -15,7 +15,7 @@ public:
     // requires. Ghost liquid roles must be current; gathers the solids'. Returns this rank's number of unknown solids.
     // Collective.
     std::int64_t predict(const SphOptions& options, const Constants& constants, LiquidParticles& liquid_particles,
-                         SolidParticles& solid_particles, const Neighbourhood& neighbours, Halo& solid_halo) const;
+        SolidParticles& solid_particles, const Neighbourhood& neighbours, Halo& solid_halo) const;
     std::size_t bytes() const { return liquid.bytes() + solid.bytes(); }
 };
 

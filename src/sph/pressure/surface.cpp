@@ -31,10 +31,10 @@ struct CoverLoop {
 };
 } // namespace
 
-void mark_surface(const Constants& constants, LiquidParticles& liquid, const SolidParticles& solid,
-                  const Neighbourhood& neighbours) {
+void mark_surface(
+    const Constants& constants, LiquidParticles& liquid, const SolidParticles& solid, const Neighbourhood& neighbours) {
     CoverLoop loop{pairs(neighbours.liquid, liquid.store, liquid.store),
-                   pairs(neighbours.solid, liquid.store, solid.store), liquid.role(), {}, 0};
+        pairs(neighbours.solid, liquid.store, solid.store), liquid.role(), {}, 0};
     const int depth = constants.dimensions == 3 ? 1 : 0;
     for (int z = -depth; z <= depth; ++z) {
         for (int y = -1; y <= 1; ++y) {

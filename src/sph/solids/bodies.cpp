@@ -8,7 +8,7 @@ enum Frame { turn = 0, start = 9, frame_width = 12 };
 } // namespace
 
 Bodies::Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count,
-               const DomainBox& domain, std::vector<Vec3> sides)
+    const DomainBox& domain, std::vector<Vec3> sides)
     : rigid(std::move(setup)), domain_(domain), first_(first), points_(count), sides_(std::move(sides)),
       motion_("treacle::solid_motion", static_cast<std::size_t>(6 * count)) {
     if (!rigid.any_moves()) {
@@ -65,12 +65,13 @@ void Bodies::upload() {
 void Bodies::mark_start(const SolidParticles& solid) const {
     const auto x = solid.position(), reference = solid.reference();
     const auto normal = solid.normal(), reference_normal = solid.reference_normal();
-    Kokkos::parallel_for("treacle::mark_start", solid.store.owned(), KOKKOS_LAMBDA(int s) {
-        for (int k = 0; k < 3; ++k) {
-            reference(s, k) = x(s, k);
-            reference_normal(s, k) = normal(s, k);
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::mark_start", solid.store.owned(), KOKKOS_LAMBDA(int s) {
+            for (int k = 0; k < 3; ++k) {
+                reference(s, k) = x(s, k);
+                reference_normal(s, k) = normal(s, k);
+            }
+        });
 }
 
 void Bodies::set_velocities(const SolidParticles& solid) {
@@ -80,13 +81,14 @@ void Bodies::set_velocities(const SolidParticles& solid) {
     const auto motion = motion_;
     const auto x = solid.position(), v = solid.velocity();
     const auto body = solid.body();
-    Kokkos::parallel_for("treacle::solid_velocities", solid.store.total(), KOKKOS_LAMBDA(int s) {
-        if (!points.moves(body(s))) return;
-        const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-        double velocity[3];
-        points.velocity(motion, body(s), place, velocity);
-        for (int k = 0; k < 3; ++k) v(s, k) = velocity[k];
-    });
+    Kokkos::parallel_for(
+        "treacle::solid_velocities", solid.store.total(), KOKKOS_LAMBDA(int s) {
+            if (!points.moves(body(s))) return;
+            const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
+            double velocity[3];
+            points.velocity(motion, body(s), place, velocity);
+            for (int k = 0; k < 3; ++k) v(s, k) = velocity[k];
+        });
 }
 
 void Bodies::place(const SolidParticles& solid) {
@@ -98,25 +100,26 @@ void Bodies::place(const SolidParticles& solid) {
     const auto x = solid.position(), reference = solid.reference();
     const auto normal = solid.normal(), reference_normal = solid.reference_normal();
     const auto body = solid.body();
-    Kokkos::parallel_for("treacle::place_solids", solid.store.owned(), KOKKOS_LAMBDA(int s) {
-        if (!points.moves(body(s))) return;
-        const double* frame = &frames(static_cast<std::size_t>(body(s)) * frame_width);
-        double arm[3];
-        for (int k = 0; k < 3; ++k) {
-            arm[k] = reference(s, k) - frame[start + k];
-            const double period = domain.period[k];
-            if (period > 0) arm[k] -= period * math::floor(arm[k] / period + 0.5);
-        }
-        for (int k = 0; k < domain.dimensions; ++k) {
-            const double* axes = frame + turn + 3 * k;
-            normal(s, k) = axes[0] * reference_normal(s, 0) + axes[1] * reference_normal(s, 1) +
-                           axes[2] * reference_normal(s, 2);
-            double place = points.centre(4 * body(s) + k) + axes[0] * arm[0] + axes[1] * arm[1] + axes[2] * arm[2];
-            const double period = domain.period[k];
-            if (period > 0) place -= period * math::floor((place - domain.lo[k]) / period);
-            x(s, k) = domain.wrap(k, place);
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::place_solids", solid.store.owned(), KOKKOS_LAMBDA(int s) {
+            if (!points.moves(body(s))) return;
+            const double* frame = &frames(static_cast<std::size_t>(body(s)) * frame_width);
+            double arm[3];
+            for (int k = 0; k < 3; ++k) {
+                arm[k] = reference(s, k) - frame[start + k];
+                const double period = domain.period[k];
+                if (period > 0) arm[k] -= period * math::floor(arm[k] / period + 0.5);
+            }
+            for (int k = 0; k < domain.dimensions; ++k) {
+                const double* axes = frame + turn + 3 * k;
+                normal(s, k) = axes[0] * reference_normal(s, 0) + axes[1] * reference_normal(s, 1) +
+                               axes[2] * reference_normal(s, 2);
+                double place = points.centre(4 * body(s) + k) + axes[0] * arm[0] + axes[1] * arm[1] + axes[2] * arm[2];
+                const double period = domain.period[k];
+                if (period > 0) place -= period * math::floor((place - domain.lo[k]) / period);
+                x(s, k) = domain.wrap(k, place);
+            }
+        });
 }
 
 } // namespace treacle::sph

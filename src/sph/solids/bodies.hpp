@@ -14,15 +14,17 @@ public:
     // With factors on the volumes of the bodies' particles; none: 1. `sides` [m/s]: of the domain's sides, which are the first
     // numbers; none: they rest.
     Bodies(rigid::BodiesSetup setup, const std::vector<double>& scale, int first, int count, const DomainBox& domain,
-           std::vector<Vec3> sides = {});
+        std::vector<Vec3> sides = {});
 
     rigid::RigidBodies rigid; // without the sides of the domain
 
     // Bodies of `rigid` that move, or that liquid moves.
     bool any_moves() const { return rigid.any_moves(); }
     bool any_dynamic() const { return rigid.any_dynamic(); }
-    int first() const { return first_; }                      // number of body 0 of `rigid` among the solids with loads
-    const MomentReferencePoints& moment_reference_points() const { return points_; } // of all solids with loads, where they are now
+    int first() const { return first_; } // number of body 0 of `rigid` among the solids with loads
+    const MomentReferencePoints& moment_reference_points() const {
+        return points_;
+    } // of all solids with loads, where they are now
 
     // Marks the particles' positions at the start of the run, as long as none has moved.
     void mark_start(const SolidParticles& solid) const;

@@ -10,7 +10,7 @@ constexpr std::size_t most_places = 60; // on the surface, of which the mean is 
 // Liquid that has moved stands closer to a layer than the lattice does: with this factor balls and discs of the
 // liquid's density, of 8 and 12 spacings, stay where they are (src/sph/measurements.md).
 constexpr double disordered_volume_factor = 1.15;
-constexpr int cells_per_spacing = 4;    // of the integrals over the liquid
+constexpr int cells_per_spacing = 4; // of the integrals over the liquid
 
 double apart(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
@@ -66,7 +66,8 @@ private:
 };
 } // namespace
 
-double boundary_volume_factor(const ScaleSetup& setup, const scene::SolidRegion& region, const std::vector<Vec3>& layer) {
+double boundary_volume_factor(
+    const ScaleSetup& setup, const scene::SolidRegion& region, const std::vector<Vec3>& layer) {
     const double half = setup.wall.spacing / 2;
     const auto places = scene::sample_surface(region, {setup.wall.spacing, -half, {}}).positions;
     const std::size_t stride = std::max<std::size_t>(1, places.size() / most_places);

@@ -12,6 +12,7 @@ struct ScaleSetup {
     WallSetup wall;
     double gap; // equilibrium_wall_distance(wall) [m]
 };
-double boundary_volume_factor(const ScaleSetup& setup, const scene::SolidRegion& region, const std::vector<Vec3>& layer);
+double boundary_volume_factor(
+    const ScaleSetup& setup, const scene::SolidRegion& region, const std::vector<Vec3>& layer);
 
 } // namespace treacle::sph

@@ -5,13 +5,11 @@
 namespace treacle::sph {
 
 namespace {
-constexpr int normal_passes = 3;      // fewer leave the steps of a lattice in the curvatures (src/sph/theory.md)
+constexpr int normal_passes = 3; // fewer leave the steps of a lattice in the curvatures (src/sph/theory.md)
 constexpr int curvature_passes = 2;
-constexpr double least_normal = 0.1;  // |N| h below which a particle is none of the surface
+constexpr double least_normal = 0.1; // |N| h below which a particle is none of the surface
 
-KOKKOS_INLINE_FUNCTION double length(const double v[3]) {
-    return math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
+KOKKOS_INLINE_FUNCTION double length(const double v[3]) { return math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 KOKKOS_INLINE_FUNCTION double length(const Array3& v, int i) {
     const double row[3] = {v(i, 0), v(i, 1), v(i, 2)};
     return length(row);
@@ -38,8 +36,7 @@ struct NormalLoop {
             wall[2] += g * dz;
         });
         const double square = wall[0] * wall[0] + wall[1] * wall[1] + wall[2] * wall[2];
-        const double along =
-            square > 0 ? (n[0] * wall[0] + n[1] * wall[1] + n[2] * wall[2]) / square : 0;
+        const double along = square > 0 ? (n[0] * wall[0] + n[1] * wall[1] + n[2] * wall[2]) / square : 0;
         for (int k = 0; k < 3; ++k) normal(i, k) = n[k] - along * wall[k];
     }
 };
@@ -116,8 +113,9 @@ struct SmoothCurvatureLoop {
 
 // From curvatures at a depth below the surface to those of the surface; `depth` over D - 1 [m].
 void raise(const Array<double>& curvature, int count, double depth) {
-    Kokkos::parallel_for("treacle::raise_curvature", count,
-                         KOKKOS_LAMBDA(int i) { curvature(i) /= 1 + math::max(-0.5, depth * curvature(i)); });
+    Kokkos::parallel_for(
+        "treacle::raise_curvature", count,
+        KOKKOS_LAMBDA(int i) { curvature(i) /= 1 + math::max(-0.5, depth * curvature(i)); });
 }
 } // namespace
 
@@ -126,8 +124,8 @@ SurfaceCurvature::SurfaceCurvature(LiquidParticles& liquid, const SphOptions& op
     normal_[1] = liquid.store.add<Array3>("smooth_surface_normal", "1/m", FieldRole::work);
     curvature_[0] = liquid.store.add<Array<double>>("curvature", "1/m", FieldRole::work);
     curvature_[1] = liquid.store.add<Array<double>>("smooth_curvature", "1/m", FieldRole::work);
-    const auto flat = measure_flat_surface({options.kernel, constants.dimensions, constants.support, constants.spacing},
-                                           normal_passes);
+    const auto flat = measure_flat_surface(
+        {options.kernel, constants.dimensions, constants.support, constants.spacing}, normal_passes);
     rise_ = flat.rise;
     depth_ = flat.depth;
 }
@@ -147,24 +145,25 @@ void SurfaceCurvature::measure(const StepContext& parts) {
     with_kernel(options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         last_normal_ = last_curvature_ = 0;
-        Kokkos::parallel_for("treacle::surface_normals", fluid.count, NormalLoop<Kernel>{kernel, fluid, normal(liquid)});
+        Kokkos::parallel_for(
+            "treacle::surface_normals", fluid.count, NormalLoop<Kernel>{kernel, fluid, normal(liquid)});
         halo.gather(liquid.store, {normal_[0]});
         for (int pass = 1; pass <= normal_passes; ++pass) {
             const auto from = normal(liquid);
             last_normal_ = 1 - last_normal_;
             const double least = pass < normal_passes ? 0 : least_normal / c.support;
             Kokkos::parallel_for("treacle::smooth_normals", fluid.count,
-                                 SmoothNormalLoop<Kernel>{kernel, around, from, normal(liquid), least});
+                SmoothNormalLoop<Kernel>{kernel, around, from, normal(liquid), least});
             halo.gather(liquid.store, {normal_[last_normal_]});
         }
         Kokkos::parallel_for("treacle::curvature", fluid.count,
-                             CurvatureLoop<Kernel>{kernel, around, normal(liquid), curvature(liquid)});
+            CurvatureLoop<Kernel>{kernel, around, normal(liquid), curvature(liquid)});
         for (int pass = 0; pass < curvature_passes; ++pass) {
             halo.gather(liquid.store, {curvature_[last_curvature_]});
             const auto from = curvature(liquid);
             last_curvature_ = 1 - last_curvature_;
             Kokkos::parallel_for("treacle::smooth_curvature", fluid.count,
-                                 SmoothCurvatureLoop<Kernel>{kernel, around, normal(liquid), from, curvature(liquid)});
+                SmoothCurvatureLoop<Kernel>{kernel, around, normal(liquid), from, curvature(liquid)});
         }
     });
     raise(curvature(liquid), fluid.count, depth_ / (c.dimensions - 1));

@@ -42,7 +42,8 @@ FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes) {
     for (int k = -reach; k <= reach; ++k) sum += at(k).value;
     std::vector<double> normal(static_cast<std::size_t>(count), 0.0);
     for (int k = 0; k < reach; ++k) { // the layers below that have none above to balance them
-        for (int apart = k + 1; apart <= reach; ++apart) normal[static_cast<std::size_t>(k)] += at(apart).gradient / sum;
+        for (int apart = k + 1; apart <= reach; ++apart)
+            normal[static_cast<std::size_t>(k)] += at(apart).gradient / sum;
     }
     for (int pass = 0; pass < passes; ++pass) {
         const auto from = normal;

@@ -43,15 +43,16 @@ struct PairLoop {
     }
 };
 
-void set_curvature_forces(const SurfaceCurvature& surface, const LiquidParticles& liquid, const RelativeDensity& relative,
-                          double scale) {
+void set_curvature_forces(
+    const SurfaceCurvature& surface, const LiquidParticles& liquid, const RelativeDensity& relative, double scale) {
     const double depth = surface.depth();
     const auto normal = surface.normal(liquid), a = liquid.acceleration();
     const auto curvature = surface.curvature(liquid);
-    Kokkos::parallel_for("treacle::surface_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double f = scale * curvature(i) / (math::max(0.5, 1 + depth * curvature(i)) * relative(i));
-        for (int k = 0; k < 3; ++k) a(i, k) = f * normal(i, k);
-    });
+    Kokkos::parallel_for(
+        "treacle::surface_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            const double f = scale * curvature(i) / (math::max(0.5, 1 + depth * curvature(i)) * relative(i));
+            for (int k = 0; k < 3; ++k) a(i, k) = f * normal(i, k);
+        });
 }
 
 // Sums over the particles of the surface, w = |N|, all over the first liquid's mass.
@@ -63,7 +64,8 @@ struct BalanceLoop : LoadReduction {
     double centre[3];
 
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
-        const double w = math::sqrt(normal(i, 0) * normal(i, 0) + normal(i, 1) * normal(i, 1) + normal(i, 2) * normal(i, 2));
+        const double w =
+            math::sqrt(normal(i, 0) * normal(i, 0) + normal(i, 1) * normal(i, 1) + normal(i, 2) * normal(i, 2));
         if (w == 0) return;
         const double m = relative(i), a[3] = {acceleration(i, 0), acceleration(i, 1), acceleration(i, 2)};
         const double x[3] = {position(i, 0) - centre[0], position(i, 1) - centre[1], position(i, 2) - centre[2]};
@@ -81,16 +83,13 @@ struct BalanceLoop : LoadReduction {
     }
 };
 
-std::vector<double> surface_sums(const StepContext& parts, const SurfaceCurvature& surface, const std::array<double, 3>& centre) {
+std::vector<double> surface_sums(
+    const StepContext& parts, const SurfaceCurvature& surface, const std::array<double, 3>& centre) {
     const auto& liquid = parts.liquid;
     std::vector<double> sums(BalanceLoop::sums, 0.0);
-    const BalanceLoop loop{{sums.size()},
-                           liquid.position(),
-                           surface.normal(liquid),
-                           liquid.acceleration(),
-                           pairs(parts.neighbours.solid, liquid.store, parts.solid.store),
-                           relative_density(parts.constants, liquid),
-                           {centre[0], centre[1], centre[2]}};
+    const BalanceLoop loop{{sums.size()}, liquid.position(), surface.normal(liquid), liquid.acceleration(),
+        pairs(parts.neighbours.solid, liquid.store, parts.solid.store), relative_density(parts.constants, liquid),
+        {centre[0], centre[1], centre[2]}};
     Kokkos::parallel_reduce("treacle::surface_sums", liquid.store.owned(), loop, host_sums(sums));
     parts.comm.sum(std::span(sums));
     return sums;
@@ -110,29 +109,32 @@ void balance(const StepContext& parts, const SurfaceCurvature& surface, bool tur
     if (turns) {
         const double* a = &sums[Sums::inertia];
         const Symmetric inertia{a[0], a[1], a[2], a[5], a[4], a[3]};
-        const auto inverse = truncated_pseudo_inverse(inertia, 1e-9 * (a[0] + a[1] + a[2])); // none about the axis of a row
+        const auto inverse =
+            truncated_pseudo_inverse(inertia, 1e-9 * (a[0] + a[1] + a[2])); // none about the axis of a row
         inverse.times(&sums[Sums::torque], turn);
     }
     const auto x = parts.liquid.position(), n = surface.normal(parts.liquid), out = parts.liquid.acceleration();
     const double cx = centre[0], cy = centre[1], cz = centre[2];
     const double px = push[0], py = push[1], pz = push[2], tx = turn[0], ty = turn[1], tz = turn[2];
-    Kokkos::parallel_for("treacle::balance_surface", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double w = math::sqrt(n(i, 0) * n(i, 0) + n(i, 1) * n(i, 1) + n(i, 2) * n(i, 2));
-        const double rx = x(i, 0) - cx, ry = x(i, 1) - cy, rz = x(i, 2) - cz;
-        out(i, 0) -= w * (px + ty * rz - tz * ry);
-        out(i, 1) -= w * (py + tz * rx - tx * rz);
-        out(i, 2) -= w * (pz + tx * ry - ty * rx);
-    });
+    Kokkos::parallel_for(
+        "treacle::balance_surface", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            const double w = math::sqrt(n(i, 0) * n(i, 0) + n(i, 1) * n(i, 1) + n(i, 2) * n(i, 2));
+            const double rx = x(i, 0) - cx, ry = x(i, 1) - cy, rz = x(i, 2) - cz;
+            out(i, 0) -= w * (px + ty * rz - tz * ry);
+            out(i, 1) -= w * (py + tz * rx - tx * rz);
+            out(i, 2) -= w * (pz + tx * ry - ty * rx);
+        });
 }
 } // namespace
 
 SurfaceTension::SurfaceTension(LiquidParticles& liquid, const SphOptions& options, const Constants& constants,
-                               const DomainBox& domain, double tension)
+    const DomainBox& domain, double tension)
     : tension_(tension), conserves_torque_(domain.period[0] == 0 && domain.period[1] == 0 && domain.period[2] == 0) {
     if (options.surface_tension.model == SurfaceTensionModel::curvature) {
         curvature_.emplace(liquid, options, constants);
     } else {
-        cohesion_ = tension / cohesion_energy({options.kernel, constants.dimensions, constants.support, constants.spacing});
+        cohesion_ =
+            tension / cohesion_energy({options.kernel, constants.dimensions, constants.support, constants.spacing});
     }
 }
 
@@ -152,14 +154,15 @@ void SurfaceTension::accelerate(const StepContext& parts, double dt) {
     with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::surface_pairs", count,
-                             PairLoop<Kernel>{kernel, pairs(parts.neighbours.liquid, parts.liquid.store, parts.liquid.store),
-                                              cohesion_ * c.rest_volume * c.rest_volume / c.mass,
-                                              apart.strength * tension_ / (c.rest_density * c.spacing * c.spacing),
-                                              apart.reach * c.spacing, relative, a});
+            PairLoop<Kernel>{kernel, pairs(parts.neighbours.liquid, parts.liquid.store, parts.liquid.store),
+                cohesion_ * c.rest_volume * c.rest_volume / c.mass,
+                apart.strength * tension_ / (c.rest_density * c.spacing * c.spacing), apart.reach * c.spacing, relative,
+                a});
     });
-    Kokkos::parallel_for("treacle::accelerate_surface", count, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) u(i, k) += dt * a(i, k);
-    });
+    Kokkos::parallel_for(
+        "treacle::accelerate_surface", count, KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) u(i, k) += dt * a(i, k);
+        });
 }
 
 double capillary_step_limit(const SurfaceTensionOptions& options, const Constants& constants, double tension) {

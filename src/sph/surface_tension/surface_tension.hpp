@@ -17,8 +17,8 @@ namespace treacle::sph {
 class SurfaceTension {
 public:
     // tension: sigma [N/m] > 0, for a model other than none.
-    SurfaceTension(LiquidParticles& liquid, const SphOptions& options, const Constants& constants, const DomainBox& domain,
-                   double tension);
+    SurfaceTension(LiquidParticles& liquid, const SphOptions& options, const Constants& constants,
+        const DomainBox& domain, double tension);
 
     // Collective: u += dt a for the owned particles. Writes the field acceleration.
     void accelerate(const StepContext& parts, double dt);
@@ -26,7 +26,7 @@ public:
 private:
     double tension_;
     bool conserves_torque_; // no axis is periodic: torques have a meaning
-    double cohesion_ = 0; // A [N/m^(D+2)], sigma in N/m
+    double cohesion_ = 0;   // A [N/m^(D+2)], sigma in N/m
     std::optional<SurfaceCurvature> curvature_;
 };
 

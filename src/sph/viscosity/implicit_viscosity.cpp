@@ -28,21 +28,23 @@ constexpr double min_reduction = 0.5;
 bool breaks_down(double product, solve::Outcome indefinite, solve::SolveReport& report) {
     if (std::isfinite(product) && product > 0) return false;
     report.outcome = std::isfinite(product) ? indefinite : solve::Outcome::non_finite;
-    report.reason = std::isfinite(product) ? "the viscous system is not positive definite"
-                                           : "the velocities are no longer finite";
+    report.reason =
+        std::isfinite(product) ? "the viscous system is not positive definite" : "the velocities are no longer finite";
     return true;
 }
 
 // True of the forms with gradients, in products without a matrix, at the velocities that the solve finds.
 bool resists_expansion(const ViscosityOptions& options) {
-    return ViscousOperator::has_tiles(options.form) && !options.assembled && options.integration == ViscosityIntegration::implicit;
+    return ViscousOperator::has_tiles(options.form) && !options.assembled &&
+           options.integration == ViscosityIntegration::implicit;
 }
 } // namespace
 
 ImplicitViscosity::ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options,
-                                     const CellGrid& grid, const std::vector<double>& friction,
-                                     const std::vector<double>& slip_lengths, const std::vector<flow::ViscosityModel>& rheology)
-    : operator_(liquid, slip_lengths, resists_expansion(options) ? options.bulk : 0), friction_(upload(friction)), rheology_("treacle::viscosity_models", rheology.size()),
+    const CellGrid& grid, const std::vector<double>& friction, const std::vector<double>& slip_lengths,
+    const std::vector<flow::ViscosityModel>& rheology)
+    : operator_(liquid, slip_lengths, resists_expansion(options) ? options.bulk : 0), friction_(upload(friction)),
+      rheology_("treacle::viscosity_models", rheology.size()),
       direction_(liquid.store.add<Array3>("viscous_direction", "m/s", FieldRole::work)) {
     auto host = Kokkos::create_mirror_view(rheology_);
     for (std::size_t k = 0; k < rheology.size(); ++k) host(k) = rheology[k];
@@ -66,7 +68,8 @@ std::size_t ImplicitViscosity::bytes() const {
     if (matrix_) out += matrix_->bytes();
     for (const auto* array : {&residual_, &product_, &before_}) out += sizeof(double) * array->span();
     out += body_unknowns_.bytes() + sizeof(double) * friction_.span();
-    for (const auto* vector : {&body_.q, &body_.residual, &body_.scaled, &body_.direction}) out += sizeof(double) * vector->capacity();
+    for (const auto* vector : {&body_.q, &body_.residual, &body_.scaled, &body_.direction})
+        out += sizeof(double) * vector->capacity();
     return out;
 }
 
@@ -206,7 +209,8 @@ solve::SolveReport ImplicitViscosity::solve_once(Progress progress) {
     if (nearly) round_free(parts.liquid);
     double square = find_residual(progress, nearly);
     // A liquid at rest between walls that move: what these add counts.
-    const double right = parts.comm.sum(sum_squares(progress.before, n, relative_density(parts.constants, parts.liquid)));
+    const double right =
+        parts.comm.sum(sum_squares(progress.before, n, relative_density(parts.constants, parts.liquid)));
     progress.norm = std::sqrt(std::max(square, right));
     if (nearly && progress.ended(square)) { // the velocities may stay as they came, to the last bit
         if (progress.first) copy(progress.before, n, parts.liquid.velocity());
@@ -284,8 +288,10 @@ bool ImplicitViscosity::multiplies_nearly(const ViscosityOptions& options) const
 
 // Into product_.
 void ImplicitViscosity::multiply(const ViscousContext& parts, int u_field, ViscousOperator::Walls walls, bool nearly) {
-    if (nearly) operator_.multiply_single_precision(parts, u_field, walls, product_);
-    else operator_.multiply(parts, u_field, walls, product_);
+    if (nearly)
+        operator_.multiply_single_precision(parts, u_field, walls, product_);
+    else
+        operator_.multiply(parts, u_field, walls, product_);
 }
 
 // The product with the liquid's velocities, beside what does not depend on them: walls that move, and the tension.
@@ -296,7 +302,8 @@ void ImplicitViscosity::multiply_velocities(const ViscousContext& parts, bool ne
 }
 
 // Products with the directions; returns p.C p of all ranks.
-double ImplicitViscosity::multiply_directions(const ViscousContext& parts, bool nearly, std::vector<double>& body_product) {
+double ImplicitViscosity::multiply_directions(
+    const ViscousContext& parts, bool nearly, std::vector<double>& body_product) {
     using Walls = ViscousOperator::Walls;
     const auto p = parts.liquid.store.get<Array3>(direction_);
     const auto inertia = relative_density(parts.constants, parts.liquid);
@@ -369,7 +376,8 @@ void ImplicitViscosity::iterate_cg(Progress& progress, bool nearly) {
         next[1] += dot(body_.residual, body_.scaled);
         if (progress.ended(next[0])) return;
         turn(next[1] / rz, product_, n, nearly, p);
-        for (std::size_t k = 0; k < body_.q.size(); ++k) body_.direction[k] = body_.scaled[k] + next[1] / rz * body_.direction[k];
+        for (std::size_t k = 0; k < body_.q.size(); ++k)
+            body_.direction[k] = body_.scaled[k] + next[1] / rz * body_.direction[k];
         rz = next[1];
     }
     report.outcome = solve::Outcome::iteration_limit;

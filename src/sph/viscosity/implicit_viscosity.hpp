@@ -19,8 +19,8 @@ class ImplicitViscosity {
 public:
     // Friction and slip length per solid and flow curves per liquid, as in ForceOptions.
     ImplicitViscosity(const Comm& comm, LiquidParticles& liquid, const ViscosityOptions& options, const CellGrid& grid,
-                      const std::vector<double>& friction, const std::vector<double>& slip_lengths = {},
-                      const std::vector<flow::ViscosityModel>& rheology = {});
+        const std::vector<double>& friction, const std::vector<double>& slip_lengths = {},
+        const std::vector<flow::ViscosityModel>& rheology = {});
 
     // No particle has been through a step: what the last solve changed is nothing. Before the first step of a run.
     void start(const LiquidParticles& liquid);
@@ -78,7 +78,7 @@ private:
     NearPairs near_;
     ViscousOperator operator_;
     std::optional<ViscousMultilevel> multilevel_; // empty: the diagonal blocks alone precondition
-    std::optional<ViscousMatrix> matrix_; // empty: products without a matrix
+    std::optional<ViscousMatrix> matrix_;         // empty: products without a matrix
     ViscousBodies body_unknowns_;
     BodyVectors body_;
     Array<double> friction_;

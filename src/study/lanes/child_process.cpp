@@ -60,7 +60,8 @@ struct ChildStart {
         char text[8];
         int length = 0;
         for (int power = 100; power > 0; power /= 10) text[length++] = char('0' + start.oom_score / power % 10);
-        if (::write(score, text, std::size_t(length)) < 0) {} // allowed to fail: it is a hint
+        if (::write(score, text, std::size_t(length)) < 0) {
+        } // allowed to fail: it is a hint
         ::close(score);
     }
     const int nothing = ::open("/dev/null", O_RDONLY);
@@ -69,7 +70,8 @@ struct ChildStart {
     ::dup2(start.log, 2);
     ::execvpe(start.arguments[0], start.arguments, start.environment);
     const int error = errno;
-    if (::write(start.report, &error, sizeof error) < 0) {}
+    if (::write(start.report, &error, sizeof error) < 0) {
+    }
     ::_exit(127);
 }
 
@@ -95,22 +97,26 @@ void add_children(pid_t pid, std::vector<pid_t>& out) {
 
 bool is_of_a_launcher(const std::string& name) {
     for (const char* kept : {"OMPI_ALLOW_", "OMPI_MCA_rmaps_base_oversubscribe", "OMPI_MCA_hwloc_base_binding_policy",
-                             "OMPI_MCA_mpi_yield_when_idle", "OMPI_MCA_btl", "OMPI_MCA_mtl", "OMPI_MCA_pml"}) {
+             "OMPI_MCA_mpi_yield_when_idle", "OMPI_MCA_btl", "OMPI_MCA_mtl", "OMPI_MCA_pml"}) {
         if (name.starts_with(kept)) return false;
     }
-    for (const char* prefix : {"OMPI_", "PMIX_", "PMI_", "PRTE_", "ORTE_", "HYDRA_", "MPIEXEC_", "SLURM_STEP", "SLURM_PROCID",
-                               "SLURM_LOCALID", "SLURM_TASK_PID", "SLURM_GTIDS", "SLURM_SRUN", "SLURM_LAUNCH_NODE", "SLURM_CPU_BIND"}) {
+    for (const char* prefix :
+        {"OMPI_", "PMIX_", "PMI_", "PRTE_", "ORTE_", "HYDRA_", "MPIEXEC_", "SLURM_STEP", "SLURM_PROCID",
+            "SLURM_LOCALID", "SLURM_TASK_PID", "SLURM_GTIDS", "SLURM_SRUN", "SLURM_LAUNCH_NODE", "SLURM_CPU_BIND"}) {
         if (name.starts_with(prefix)) return true;
     }
     return false;
 }
 
-ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added, int oom_score) {
+ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log,
+    const std::vector<std::string>& added, int oom_score) {
     auto words = command;
     auto variables = clean_environment(added);
     const auto arguments = pointers(words), environment = pointers(variables);
     const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file < 0) throw SimulationError({log.string(), "cannot be written", std::strerror(errno), "free some space, or check the folder"});
+    if (file < 0)
+        throw SimulationError(
+            {log.string(), "cannot be written", std::strerror(errno), "free some space, or check the folder"});
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) {
         ::close(file);
@@ -129,7 +135,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::f
     ::close(ends[0]);
     if (error != 0) {
         pid_ = 0;
-        throw SimulationError({command.front(), "cannot be started", std::strerror(error), "check that the program is there"});
+        throw SimulationError(
+            {command.front(), "cannot be started", std::strerror(error), "check that the program is there"});
     }
     ::setpgid(pid_, pid_); // here too, since the child may not have run yet
 }

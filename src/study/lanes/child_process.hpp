@@ -29,8 +29,8 @@ class ChildProcess {
 public:
     // Output and errors go into `log`, which is replaced; `added` are variables of the environment, "NAME=value". Throws
     // SimulationError when the program cannot be started.
-    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log, const std::vector<std::string>& added = {},
-                 int oom_score = run_oom_score);
+    ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& log,
+        const std::vector<std::string>& added = {}, int oom_score = run_oom_score);
     // Ends it, with all that it has started.
     ~ChildProcess();
     ChildProcess(const ChildProcess&) = delete;

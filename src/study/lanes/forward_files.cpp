@@ -35,9 +35,11 @@ struct RequestFile {
         d.texts("parameters", parameters, "Names of the study's parameters.");
         d.texts("values", values, "Value of each, as it stands in the scene.");
         d.texts("changes", changes, "Keys of the scene that this run sets after the parameters.");
-        d.number("cut", cut, unit::none, range_at_least(0), "Objective above which the run stops early: the sum of (6.9) over its films; 0: it does not.");
+        d.number("cut", cut, unit::none, range_at_least(0),
+            "Objective above which the run stops early: the sum of (6.9) over its films; 0: it does not.");
         d.texts("set", overrides, "Keys of the study that were overridden, as for --set.");
-        d.check(parameters.size() == values.size(), "values", {"must be as many as the parameters", "", "give one for each"});
+        d.check(parameters.size() == values.size(), "values",
+            {"must be as many as the parameters", "", "give one for each"});
     }
 };
 
@@ -48,7 +50,8 @@ std::string dakota_parameters(const ForwardRequest& request) {
         const auto quantity = read_number_and_unit(request.run.values[i]);
         out += (quantity ? format_number(quantity->value) : request.run.values[i]) + " " + request.parameters[i] + "\n";
     }
-    return out + "0 functions\n0 derivative_variables\n0 analysis_components\n" + std::to_string(request.run.number) + " eval_id\n";
+    return out + "0 functions\n0 derivative_variables\n0 analysis_components\n" + std::to_string(request.run.number) +
+           " eval_id\n";
 }
 
 std::string dakota_label(std::string name) {
@@ -90,11 +93,12 @@ ForwardRequest read_request(const std::filesystem::path& folder) {
     const auto path = folder / "params.yaml";
     if (!std::filesystem::exists(path)) {
         throw InputError({folder.string(), "has no params.yaml", "it says which run of which study is asked for",
-                          "`treacle sweep STUDY --ask N --to DIR` writes such folders"});
+            "`treacle sweep STUDY --ask N --to DIR` writes such folders"});
     }
     RequestFile file;
     parse(Document::load(path), file);
-    return {file.study, {file.number, file.scene, file.values, file.key, file.changes}, file.parameters, file.overrides, file.cut > 0 ? file.cut : no_cut};
+    return {file.study, {file.number, file.scene, file.values, file.key, file.changes}, file.parameters, file.overrides,
+        file.cut > 0 ? file.cut : no_cut};
 }
 
 void write_result(const std::filesystem::path& folder, const ForwardResult& result) {
@@ -104,7 +108,8 @@ void write_result(const std::filesystem::path& folder, const ForwardResult& resu
         figures[figure.name] = std::isfinite(figure.value) ? Json(figure.value) : Json(nullptr);
         dakota += format_number(figure.value) + " " + dakota_label(figure.name) + "\n";
     }
-    Json json{{"number", result.number}, {"key", result.key}, {"figures", figures}, {"seconds", result.seconds}, {"peak_bytes", result.peak_bytes}};
+    Json json{{"number", result.number}, {"key", result.key}, {"figures", figures}, {"seconds", result.seconds},
+        {"peak_bytes", result.peak_bytes}};
     if (result.bound) json["bound"] = *result.bound;
     write_file_atomically(folder / "results.out", dakota);
     write_file_atomically(folder / "result.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
@@ -120,8 +125,8 @@ std::optional<ForwardResult> read_result(const std::filesystem::path& folder, co
     if (!std::filesystem::exists(path)) return {};
     try {
         const auto json = Json::parse(read_file(path));
-        ForwardResult out{json.at("number").get<std::int64_t>(), json.at("key").get<std::string>(), {}, json.at("seconds").get<double>(),
-                          json.at("peak_bytes").get<double>()};
+        ForwardResult out{json.at("number").get<std::int64_t>(), json.at("key").get<std::string>(), {},
+            json.at("seconds").get<double>(), json.at("peak_bytes").get<double>()};
         if (out.key != key) return {};
         if (json.contains("bound")) out.bound = json.at("bound").get<double>();
         for (const auto& [name, value] : json.at("figures").items()) {

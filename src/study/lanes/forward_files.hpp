@@ -26,7 +26,8 @@ struct ForwardRequest {
 ForwardRequest request_of(const Study& study, const RunRequest& run);
 
 // Writes params.in, then params.yaml; makes the folder. Throws SimulationError.
-void write_request(const std::filesystem::path& folder, const ForwardRequest& request, Durability durability = Durability::synced);
+void write_request(
+    const std::filesystem::path& folder, const ForwardRequest& request, Durability durability = Durability::synced);
 // From params.yaml. Throws InputError.
 ForwardRequest read_request(const std::filesystem::path& folder);
 

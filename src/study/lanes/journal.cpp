@@ -82,8 +82,9 @@ void Journal::read_line(const std::string& line, int count) {
         if (json.contains("journal")) {
             owner_ = {json.at("study").get<std::string>(), json.at("program").get<std::string>()};
         } else if (json.contains("asked")) {
-            RunRequest run{json.at("asked").get<std::int64_t>(), json.at("scene").get<std::string>(), json.at("values").get<Point>(),
-                           json.at("key").get<std::string>(), json.value("changes", std::vector<std::string>())};
+            RunRequest run{json.at("asked").get<std::int64_t>(), json.at("scene").get<std::string>(),
+                json.at("values").get<Point>(), json.at("key").get<std::string>(),
+                json.value("changes", std::vector<std::string>())};
             if (run.number != std::int64_t(runs_.size()) + 1) throw std::runtime_error("its number is out of order");
             numbers_[run.key] = run.number;
             runs_.push_back(std::move(run));
@@ -91,19 +92,21 @@ void Journal::read_line(const std::string& line, int count) {
             outcomes_.erase(json.at("dropped").get<std::int64_t>());
         } else {
             auto outcome = outcome_of(json);
-            if (outcome.number < 1 || outcome.number > std::int64_t(runs_.size())) throw std::runtime_error("there is no run of its number");
+            if (outcome.number < 1 || outcome.number > std::int64_t(runs_.size()))
+                throw std::runtime_error("there is no run of its number");
             outcomes_[outcome.number] = std::move(outcome);
         }
     } catch (const std::exception& error) {
         throw InputError({path_.string() + ":" + std::to_string(count), "cannot be read", error.what(),
-                          "the file was changed by something else: mend the line, or give the study another folder with --out"});
+            "the file was changed by something else: mend the line, or give the study another folder with --out"});
     }
 }
 
 Journal Journal::read(const std::filesystem::path& folder) {
     Journal journal(folder / file_name);
     if (!std::filesystem::exists(journal.path_)) {
-        throw InputError({folder.string(), "is not the folder of a study", std::string("it has no ") + file_name, "check its name"});
+        throw InputError(
+            {folder.string(), "is not the folder of a study", std::string("it has no ") + file_name, "check its name"});
     }
     journal.load();
     return journal;
@@ -118,18 +121,21 @@ Journal Journal::open(const std::filesystem::path& folder, const JournalOwner& o
     }
     const auto where = journal.path_.string() + ":1";
     if (journal.owner_.study != owner.study) {
-        throw InputError({where, "is the journal of another study", "its scenes or the keys of its parameters are others",
-                          "give this study another folder with --out"});
+        throw InputError({where, "is the journal of another study",
+            "its scenes or the keys of its parameters are others", "give this study another folder with --out"});
     }
     if (journal.owner_.program != owner.program) {
-        throw InputError({where, "was written by " + journal.owner_.program, "this program is " + owner.program + ", whose results may differ",
-                          "give the study another folder with --out"});
+        throw InputError({where, "was written by " + journal.owner_.program,
+            "this program is " + owner.program + ", whose results may differ",
+            "give the study another folder with --out"});
     }
     std::error_code ignored;
-    if (std::filesystem::file_size(journal.path_, ignored) != whole.size() || ignored) write_file_atomically(journal.path_, whole);
+    if (std::filesystem::file_size(journal.path_, ignored) != whole.size() || ignored)
+        write_file_atomically(journal.path_, whole);
     journal.file_.reset(std::fopen(journal.path_.c_str(), "a"));
     if (!journal.file_) {
-        throw SimulationError({journal.path_.string(), "cannot be written", std::strerror(errno), "check its permissions"});
+        throw SimulationError(
+            {journal.path_.string(), "cannot be written", std::strerror(errno), "check its permissions"});
     }
     return journal;
 }
@@ -146,10 +152,12 @@ const RunOutcome* Journal::outcome(std::int64_t number) const {
 
 void Journal::append(const std::string& line) {
     if (std::fwrite(line.data(), 1, line.size(), file_.get()) == line.size()) return;
-    throw SimulationError({path_.string(), "cannot be written", std::strerror(errno), "free some space; the study goes on where it stopped"});
+    throw SimulationError({path_.string(), "cannot be written", std::strerror(errno),
+        "free some space; the study goes on where it stopped"});
 }
 
-const RunRequest& Journal::ask(const std::string& scene, const Point& values, const std::string& key, const std::vector<std::string>& changes) {
+const RunRequest& Journal::ask(
+    const std::string& scene, const Point& values, const std::string& key, const std::vector<std::string>& changes) {
     runs_.push_back({std::int64_t(runs_.size()) + 1, scene, values, key, changes});
     numbers_[key] = runs_.back().number;
     append(text_of(json_of(runs_.back())) + "\n");
@@ -169,7 +177,8 @@ void Journal::drop(std::int64_t number) {
 
 void Journal::sync() {
     if (std::fflush(file_.get()) == 0 && ::fsync(::fileno(file_.get())) == 0) return;
-    throw SimulationError({path_.string(), "cannot be written", std::strerror(errno), "free some space; the study goes on where it stopped"});
+    throw SimulationError({path_.string(), "cannot be written", std::strerror(errno),
+        "free some space; the study goes on where it stopped"});
 }
 
 } // namespace treacle::study

@@ -33,7 +33,8 @@ public:
     const RunOutcome* outcome(std::int64_t number) const; // null: none, or dropped
 
     // Numbers the run and writes it down; call sync() before anything depends on it.
-    const RunRequest& ask(const std::string& scene, const Point& values, const std::string& key, const std::vector<std::string>& changes = {});
+    const RunRequest& ask(const std::string& scene, const Point& values, const std::string& key,
+        const std::vector<std::string>& changes = {});
     // Writes an outcome down and syncs.
     void finish(const RunOutcome& outcome);
     // The run has no outcome any more; the lines of those that it had stay.

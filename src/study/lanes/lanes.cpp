@@ -32,7 +32,8 @@ std::pair<double, double> last_row(const std::filesystem::path& path, std::uintm
     const auto row = text.substr(begin + 1, end - begin - 1);
     const auto comma = row.find(','), next = row.find(',', comma + 1);
     if (comma == std::string::npos) return {0, 0};
-    return {read_number(row.substr(0, comma)).value_or(0), read_number(row.substr(comma + 1, next - comma - 1)).value_or(0)};
+    return {read_number(row.substr(0, comma)).value_or(0),
+        read_number(row.substr(comma + 1, next - comma - 1)).value_or(0)};
 }
 } // namespace
 
@@ -64,7 +65,8 @@ void Lanes::start(const LaneTask& task) {
     Running run;
     run.task = task;
     run.lane = int(std::ranges::find(taken, false) - taken.begin());
-    run.process = std::make_unique<ChildProcess>(task.command, task.folder / "log.txt", task.environment, task.oom_score);
+    run.process =
+        std::make_unique<ChildProcess>(task.command, task.folder / "log.txt", task.environment, task.oom_score);
     run.start = run.last_step = Clock::now();
     run.started = utc_now();
     running_.push_back(std::move(run));
@@ -105,8 +107,10 @@ void Lanes::look_at(Running& run) {
     }
     if (limits_.hang_factor <= 0) return;
     const double mean = run.steps > 0 ? (since(run.start) - since(run.last_step)) / run.steps : 0;
-    const bool steps_go_on = run.steps > 0 && !std::filesystem::exists(run.task.folder / "run" / "summary.json", failed);
-    const double timeout = steps_go_on ? std::max(limits_.hang_least, limits_.hang_factor * mean) : beside_steps * limits_.hang_least;
+    const bool steps_go_on =
+        run.steps > 0 && !std::filesystem::exists(run.task.folder / "run" / "summary.json", failed);
+    const double timeout =
+        steps_go_on ? std::max(limits_.hang_least, limits_.hang_factor * mean) : beside_steps * limits_.hang_least;
     if (since(run.last_step) > timeout) end(run, LaneEnd::hang);
 }
 
@@ -118,7 +122,8 @@ std::vector<LaneResult> Lanes::collect() {
             ++run;
             continue;
         }
-        out.push_back({run->task.number, *ending, run->end, since(run->start), run->peak_bytes, run->lane, run->started});
+        out.push_back(
+            {run->task.number, *ending, run->end, since(run->start), run->peak_bytes, run->lane, run->started});
         run = running_.erase(run);
     }
     std::ranges::sort(out, {}, &LaneResult::number);

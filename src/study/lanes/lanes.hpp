@@ -36,7 +36,8 @@ struct LaneResult {
 struct LaneLimits {
     double time = 0;        // [s] of the clock a run; 0: none
     double hang_factor = 0; // mean steps without a row in steps.csv; 0: none
-    double hang_least = 60; // [s]; before the first step, and behind the last while the run is evaluated, ten times as long
+    double hang_least =
+        60;            // [s]; before the first step, and behind the last while the run is evaluated, ten times as long
     double memory = 0; // [bytes] a run; 0: none
 };
 

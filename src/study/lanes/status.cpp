@@ -50,13 +50,12 @@ void write_status(const std::filesystem::path& path, const StudyStatus& status) 
     using io::Value;
     Value running = Value::list({});
     for (const auto& run : status.running) {
-        running.add(Value::object({{"run", run.number}, {"step", run.steps}, {"time [s]", run.time}, {"wall time [s]", run.seconds}}));
+        running.add(Value::object(
+            {{"run", run.number}, {"step", run.steps}, {"time [s]", run.time}, {"wall time [s]", run.seconds}}));
     }
-    Value out = Value::object({{"asked", std::int64_t(status.asked)},
-                               {"done", std::int64_t(status.done)},
-                               {"failed", std::int64_t(status.failed)},
-                               {"running", running},
-                               {"speculative", std::int64_t(status.speculative)}});
+    Value out = Value::object({{"asked", std::int64_t(status.asked)}, {"done", std::int64_t(status.done)},
+        {"failed", std::int64_t(status.failed)}, {"running", running},
+        {"speculative", std::int64_t(status.speculative)}});
     if (status.stopped_early > 0) out.set("stopped early", std::int64_t(status.stopped_early));
     if (status.lanes > 0) out.set("lanes", status.lanes);
     if (status.seconds > 0) out.set("wall time of this sitting [s]", status.seconds);

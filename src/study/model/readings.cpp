@@ -44,7 +44,8 @@ bool are_read(const Study& study, const std::vector<Figure>& figures) {
     });
 }
 
-double statistic(const std::vector<double>& all_times, const std::vector<double>& all_values, Statistic at, double time) {
+double statistic(
+    const std::vector<double>& all_times, const std::vector<double>& all_values, Statistic at, double time) {
     // Rows between two measurements of a slower one are empty.
     std::vector<double> times, values;
     for (std::size_t i = 0; i < all_values.size(); ++i) {
@@ -86,12 +87,12 @@ std::vector<Figure> read_figures(const Study& study, const std::filesystem::path
         if (!source.find(column)) {
             const auto close = nearest(column, source.names);
             throw InputError({reading.where, source.path.string() + " has no column " + column, "",
-                              close ? "did you mean " + *close + "?" : "its columns are " + join(source.names, ", ")});
+                close ? "did you mean " + *close + "?" : "its columns are " + join(source.names, ", ")});
         }
         const auto& values = source.column(column);
         const auto place = std::size_t(&values - source.values.data());
         figures.push_back({with_unit_of(reading.name, source.names[place]),
-                           statistic(source.column("time"), values, reading.at, reading.time)});
+            statistic(source.column("time"), values, reading.at, reading.time)});
     }
     return figures;
 }

@@ -6,14 +6,10 @@
 namespace treacle::study {
 
 namespace {
-constexpr std::array<std::pair<RunStatus, const char*>, 8> words{{{RunStatus::done, "done"},
-                                                                  {RunStatus::stopped_early, "stopped early"},
-                                                                  {RunStatus::failed, "failed"},
-                                                                  {RunStatus::bad_input, "bad input"},
-                                                                  {RunStatus::out_of_memory, "out of memory"},
-                                                                  {RunStatus::killed, "killed"},
-                                                                  {RunStatus::timed_out, "timed out"},
-                                                                  {RunStatus::hung, "hung"}}};
+constexpr std::array<std::pair<RunStatus, const char*>, 8> words{
+    {{RunStatus::done, "done"}, {RunStatus::stopped_early, "stopped early"}, {RunStatus::failed, "failed"},
+        {RunStatus::bad_input, "bad input"}, {RunStatus::out_of_memory, "out of memory"}, {RunStatus::killed, "killed"},
+        {RunStatus::timed_out, "timed out"}, {RunStatus::hung, "hung"}}};
 } // namespace
 
 std::string word(RunStatus status) {

@@ -11,7 +11,7 @@ namespace treacle::study {
 // A scene of a study, with what it overrides.
 struct StudyScene {
     std::string name;
-    std::string file; // beside the study's file, or absolute
+    std::string file;             // beside the study's file, or absolute
     std::vector<std::string> set; // "a.b.c=value"
     std::string where;
 

@@ -77,7 +77,8 @@ Span span_of(const ChartAxis& axis, const std::vector<const std::vector<double>*
         span.low /= margin;
         span.high *= margin;
     } else {
-        const double margin = span.high > span.low ? 0.04 * (span.high - span.low) : std::max(0.5, 0.05 * std::abs(span.low));
+        const double margin =
+            span.high > span.low ? 0.04 * (span.high - span.low) : std::max(0.5, 0.05 * std::abs(span.low));
         span.low -= margin;
         span.high += margin;
     }
@@ -105,7 +106,8 @@ std::vector<double> ticks(double low, double high, AxisScale scale, int count) {
     for (const double digit : {5.0, 2.0, 1.0}) {
         if (digit * power >= raw) step = digit * power;
     }
-    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) out.push_back(k == 0 ? 0 : k * step);
+    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k)
+        out.push_back(k == 0 ? 0 : k * step);
     return out;
 }
 
@@ -120,14 +122,18 @@ std::string svg(const Chart& chart) {
     x.last = chart.width - 18.0 - legend_width(chart);
     y.first = chart.height - 52.0;
     y.last = 34;
-    std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(chart.width) + "\" height=\"" +
-                      std::to_string(chart.height) + "\" font-family=\"sans-serif\" font-size=\"12\">\n"
+    std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(chart.width) +
+                      "\" height=\"" + std::to_string(chart.height) +
+                      "\" font-family=\"sans-serif\" font-size=\"12\">\n"
                       "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    const auto text = [&](double px, double py, const std::string& anchor, const std::string& words, const std::string& more = "") {
-        out += "<text x=\"" + pixel(px) + "\" y=\"" + pixel(py) + "\" text-anchor=\"" + anchor + "\" fill=\"#222\"" + more + ">" + escaped(words) + "</text>\n";
+    const auto text = [&](double px, double py, const std::string& anchor, const std::string& words,
+                          const std::string& more = "") {
+        out += "<text x=\"" + pixel(px) + "\" y=\"" + pixel(py) + "\" text-anchor=\"" + anchor + "\" fill=\"#222\"" +
+               more + ">" + escaped(words) + "</text>\n";
     };
     const auto line = [&](double x0, double y0, double x1, double y1, const std::string& colour) {
-        out += "<line x1=\"" + pixel(x0) + "\" y1=\"" + pixel(y0) + "\" x2=\"" + pixel(x1) + "\" y2=\"" + pixel(y1) + "\" stroke=\"" + colour + "\"/>\n";
+        out += "<line x1=\"" + pixel(x0) + "\" y1=\"" + pixel(y0) + "\" x2=\"" + pixel(x1) + "\" y2=\"" + pixel(y1) +
+               "\" stroke=\"" + colour + "\"/>\n";
     };
     for (const double tick : ticks(x.low, x.high, x.scale)) {
         line(x.at(tick), y.first, x.at(tick), y.last, "#e4e4e4");
@@ -154,9 +160,12 @@ std::string svg(const Chart& chart) {
             path += (path.empty() ? "" : " ") + px + "," + py;
             dots += "<circle cx=\"" + px + "\" cy=\"" + py + "\" r=\"3\" fill=\"" + colour + "\"/>\n";
         }
-        out += series.line ? "<polyline points=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"1.6\"/>\n" : dots;
+        out += series.line ? "<polyline points=\"" + path + "\" fill=\"none\" stroke=\"" + colour +
+                                 "\" stroke-width=\"1.6\"/>\n"
+                           : dots;
         if (series.name.empty()) continue;
-        out += "<rect x=\"" + pixel(x.last + 12) + "\" y=\"" + pixel(y.last + 6 + 18 * entries) + "\" width=\"10\" height=\"10\" fill=\"" + colour + "\"/>\n";
+        out += "<rect x=\"" + pixel(x.last + 12) + "\" y=\"" + pixel(y.last + 6 + 18 * entries) +
+               "\" width=\"10\" height=\"10\" fill=\"" + colour + "\"/>\n";
         text(x.last + 28, y.last + 15 + 18 * entries, "start", series.name);
         ++entries;
     }

@@ -15,9 +15,9 @@ struct ChartAxis {
 
 // Points of one colour; x and y have one length.
 struct ChartSeries {
-    std::string name; // of the legend; empty: none
+    std::string name;         // of the legend; empty: none
     std::vector<double> x, y; // points that are not finite are left out
-    bool line = false; // joined in their order, else dots
+    bool line = false;        // joined in their order, else dots
 };
 
 // A picture of points over axes, as SVG.

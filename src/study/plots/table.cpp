@@ -63,7 +63,8 @@ Table table_of(const Study& study, const Journal& journal, std::span<const std::
         const auto* outcome = journal.outcome(number);
         std::vector<std::string> row{std::to_string(number)};
         if (several) row.push_back(run.scene);
-        for (std::size_t i = 0; i < study.parameters.size(); ++i) row.push_back(plain(study.parameters[i], run.values[i]));
+        for (std::size_t i = 0; i < study.parameters.size(); ++i)
+            row.push_back(plain(study.parameters[i], run.values[i]));
         row.push_back(outcome ? word(outcome->status) : "not run");
         for (const auto& name : out.figures) {
             if (!outcome) {
@@ -71,7 +72,8 @@ Table table_of(const Study& study, const Journal& journal, std::span<const std::
                 continue;
             }
             const auto figure = std::ranges::find(outcome->figures, name, &Figure::name);
-            row.push_back(figure == outcome->figures.end() || !std::isfinite(figure->value) ? "" : format_number(figure->value));
+            row.push_back(
+                figure == outcome->figures.end() || !std::isfinite(figure->value) ? "" : format_number(figure->value));
         }
         row.push_back(outcome ? rounded(outcome->seconds) : "");
         const auto changes = join(run.changes, "; ");
@@ -95,7 +97,8 @@ void write_table(const std::filesystem::path& path, const Table& table) {
 std::vector<double> numbers_of(const Table& table, const std::string& column) {
     const auto place = std::size_t(std::ranges::find(table.header, column) - table.header.begin());
     std::vector<double> out;
-    for (const auto& row : table.rows) out.push_back(read_number(row.at(place)).value_or(std::numeric_limits<double>::quiet_NaN()));
+    for (const auto& row : table.rows)
+        out.push_back(read_number(row.at(place)).value_or(std::numeric_limits<double>::quiet_NaN()));
     return out;
 }
 

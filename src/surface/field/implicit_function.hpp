@@ -10,7 +10,7 @@ class ImplicitFunction {
 public:
     // Collective. `box`: this rank's tiles. With `solids` the function is cut at their surfaces.
     void build(const Decomposition& decomposition, const Lattice& lattice, const Points& points, const Options& options,
-               const Solids* solids);
+        const Solids* solids);
 
     const NodeField& field() const { return field_; }  // of the last build()
     int slots() const { return slots_; }               // tiles of the window that have values

@@ -24,11 +24,12 @@ Domain cropped(const Domain& domain, const Vec3& min, const Vec3& max) {
         if (cuts_low) out.min[k] = min[k];
         if (cuts_high) out.max[k] = max[k];
         if (!(out.min[k] < out.max[k])) {
-            throw InputError({"box", std::string("holds no part of the domain along ") + axis, "", "give the lower corner first, and a part of the domain"});
+            throw InputError({"box", std::string("holds no part of the domain along ") + axis, "",
+                "give the lower corner first, and a part of the domain"});
         }
         if (domain.sides[2 * k] == Side::periodic && (cuts_low || cuts_high)) {
-            throw InputError({"box", std::string("cuts the period along ") + axis, "the liquid goes on at the other side there",
-                              "let the box hold the whole period"});
+            throw InputError({"box", std::string("cuts the period along ") + axis,
+                "the liquid goes on at the other side there", "let the box hold the whole period"});
         }
         if (cuts_low) out.sides[2 * k] = Side::cut;
         if (cuts_high) out.sides[2 * k + 1] = Side::cut;
@@ -54,8 +55,10 @@ Lattice make_lattice(const Domain& domain, double step) {
         } else if (low != Side::open && high != Side::open) {
             out.step[k] = length / std::max(2.0, std::round(length / step));
         }
-        if (low != Side::open) out.origin[k] = domain.min[k];
-        else if (high != Side::open) out.origin[k] = domain.max[k];
+        if (low != Side::open)
+            out.origin[k] = domain.min[k];
+        else if (high != Side::open)
+            out.origin[k] = domain.max[k];
         const int cells = static_cast<int>(std::lround(length / out.step[k]));
         if (low != Side::open) out.lo[k] = 0;
         if (high != Side::open) out.hi[k] = low == Side::open ? 0 : cells;
@@ -83,8 +86,10 @@ void cover(Lattice& lattice, const Domain& domain, const double lo[3], const dou
         int first = tile_of(lo[k], lattice.origin[k], lattice.step[k]) - 1;
         int last = tile_of(hi[k], lattice.origin[k], lattice.step[k]) + 1;
         // Behind a cut one tile more, whose particles count for the nodes before it.
-        if (lattice.lo[k] > -unbounded) first = std::max(first, floor_divide(lattice.lo[k], tile_edge) - (lattice.mirror[0][k] ? 0 : 1));
-        if (lattice.hi[k] < unbounded) last = std::min(last, floor_divide(lattice.hi[k], tile_edge) + (lattice.mirror[1][k] ? 0 : 1));
+        if (lattice.lo[k] > -unbounded)
+            first = std::max(first, floor_divide(lattice.lo[k], tile_edge) - (lattice.mirror[0][k] ? 0 : 1));
+        if (lattice.hi[k] < unbounded)
+            last = std::min(last, floor_divide(lattice.hi[k], tile_edge) + (lattice.mirror[1][k] ? 0 : 1));
         if (lattice.periodic[k]) {
             first = 0;
             last = lattice.hi[k] / tile_edge - 1;

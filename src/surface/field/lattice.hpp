@@ -4,8 +4,8 @@
 
 namespace treacle::surface {
 
-inline constexpr int tile_edge = 8;  // lattice cells along the edge of a tile
-inline constexpr int bins_edge = 4;  // bins along the edge of a tile: two lattice cells each
+inline constexpr int tile_edge = 8; // lattice cells along the edge of a tile
+inline constexpr int bins_edge = 4; // bins along the edge of a tile: two lattice cells each
 
 // The lattice on which the implicit function stands: stationary. Nodes are numbered from `origin`; along axes with a
 // wall or a period both faces of the domain are planes of nodes. Tiles of 8 cells an edge are the cells of the
@@ -18,7 +18,7 @@ struct Lattice {
     int lo[3], hi[3];             // nodes on the faces at which the surface is cut; beyond any number where it is not
     bool mirror[2][3] = {{false, false, false}, {false, false, false}}; // the liquid goes on mirrored behind the face
     bool periodic[3] = {false, false, false};
-    CellGrid grid;                // of tiles
+    CellGrid grid; // of tiles
 
     // Coordinate [m] of a node, or of a place between nodes.
     KOKKOS_INLINE_FUNCTION double position(int axis, double node) const {

@@ -7,17 +7,18 @@ namespace treacle::surface {
 
 // End of the surface at a side of the domain.
 enum class Side {
-    open,     // the surface goes on
-    wall,     // the surface is cut; the liquid is mirrored behind it
+    open, // the surface goes on
+    wall, // the surface is cut; the liquid is mirrored behind it
     periodic,
-    cut,      // the surface is cut; the liquid goes on
+    cut, // the surface is cut; the liquid goes on
 };
 
 // The block of space that holds the liquid. Where the surface is cut it lies on the side.
 struct Domain {
     int dimensions = 3;
     Vec3 min{0, 0, 0}, max{0, 0, 0}; // [m]
-    std::array<Side, 6> sides{Side::open, Side::open, Side::open, Side::open, Side::open, Side::open}; // x_min, x_max, y_min, ...
+    std::array<Side, 6> sides{
+        Side::open, Side::open, Side::open, Side::open, Side::open, Side::open}; // x_min, x_max, y_min, ...
 };
 
 inline constexpr int most_scalars = 16;

@@ -8,19 +8,20 @@ namespace treacle::surface {
 // images behind walls and in solids. Sorted into bins of two lattice cells, bin by bin of each tile; within a bin by id
 // and image, so that sums have the same order on any number of ranks.
 struct Points {
-    CellBox window;          // tiles
-    Array<int> tile;         // [tiles of window] number among the tiles that hold points, -1: none
-    Array<int> begin;        // [tiles with points * bins + 1] first point of each bin
-    Array<double> place[3];  // [points] position in lattice steps from the grid's first node
-    Array<int> row;          // [points] row of the particle in its store
-    Array<int> original;     // [points] 0: an image
-    Array<int> liquid;       // [points]
+    CellBox window;         // tiles
+    Array<int> tile;        // [tiles of window] number among the tiles that hold points, -1: none
+    Array<int> begin;       // [tiles with points * bins + 1] first point of each bin
+    Array<double> place[3]; // [points] position in lattice steps from the grid's first node
+    Array<int> row;         // [points] row of the particle in its store
+    Array<int> original;    // [points] 0: an image
+    Array<int> liquid;      // [points]
     int count = 0;
-    int tiles = 0;           // that hold points
+    int tiles = 0; // that hold points
 };
 
 // The points of a bin, numbered over all tiles; none outside of the window.
-KOKKOS_INLINE_FUNCTION void points_of_bin(const Points& points, const int bin[3], int dimensions, int& begin, int& end) {
+KOKKOS_INLINE_FUNCTION void points_of_bin(
+    const Points& points, const int bin[3], int dimensions, int& begin, int& end) {
     begin = end = 0;
     const int c[3] = {bin[0] >> 2, bin[1] >> 2, dimensions == 3 ? bin[2] >> 2 : 0};
     if (!points.window.contains(c)) return;
@@ -35,7 +36,7 @@ KOKKOS_INLINE_FUNCTION void points_of_bin(const Points& points, const int bin[3]
 
 // Fields of the store.
 struct PointFields {
-    int image;  // not 0 for images in solids (solid_images.hpp)
+    int image; // not 0 for images in solids (solid_images.hpp)
     int liquid;
 };
 
@@ -43,8 +44,8 @@ struct PointFields {
 class PointBuilder {
 public:
     // `window`: this rank's tiles and a layer around them. `support`: of the kernel [m].
-    const Points& build(const ParticleStore& store, const PointFields& fields, const Lattice& lattice, const CellBox& window,
-                        double support);
+    const Points& build(const ParticleStore& store, const PointFields& fields, const Lattice& lattice,
+        const CellBox& window, double support);
 
     // Kernels (public for nvcc).
     void take_particles(const ParticleStore& store, const PointFields& fields);
@@ -61,8 +62,8 @@ private:
     int n_ = 0;
     Array<double> x_[3];
     Array<int> liquid_of_row_;
-    Array<int> source_{"treacle::surface_source", 0}, bin_{"treacle::surface_bin", 0}, slot_{"treacle::surface_slot", 0},
-        order_{"treacle::surface_order", 0}, counts_{"treacle::surface_images", 0};
+    Array<int> source_{"treacle::surface_source", 0}, bin_{"treacle::surface_bin", 0},
+        slot_{"treacle::surface_slot", 0}, order_{"treacle::surface_order", 0}, counts_{"treacle::surface_images", 0};
     Array<std::int64_t> id_{"treacle::surface_id", 0}, image_{"treacle::surface_image", 0};
     int bins_ = 0;
 };

@@ -10,8 +10,8 @@ namespace treacle::surface {
 struct Solid {
     scene::SolidRegion region;
     std::array<Vec3, 3> rotation{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}; // rows
-    Vec3 centre{0, 0, 0};      // [m]
-    Vec3 translation{0, 0, 0}; // [m]
+    Vec3 centre{0, 0, 0};                                                      // [m]
+    Vec3 translation{0, 0, 0};                                                 // [m]
 
     Vec3 to_start(const Vec3& x) const;    // [m]
     Vec3 to_present(const Vec3& x0) const; // [m]

@@ -6,7 +6,7 @@ namespace treacle::surface {
 
 // (SF1) Sums of products of cubic B-splines along the axes over the points around a tile, at its nodes.
 struct SplineSums {
-    double to_h[3] = {0, 0, 0}; // lattice steps in widths of the spline
+    double to_h[3] = {0, 0, 0};  // lattice steps in widths of the spline
     double reach[3] = {0, 0, 0}; // of a point, in lattice steps
     int dimensions = 3;
 
@@ -42,7 +42,8 @@ struct SplineSums {
                     if (!window.contains(t)) continue;
                     const int tile = p.tile(window.index(t[0], t[1], t[2]));
                     if (tile < 0) continue;
-                    const int row = tile * per_tile + bins_edge * ((by & 3) + bins_edge * (dimensions == 3 ? bz & 3 : 0));
+                    const int row =
+                        tile * per_tile + bins_edge * ((by & 3) + bins_edge * (dimensions == 3 ? bz & 3 : 0));
                     const int begin = p.begin(row + math::max(first[0] - 4 * tx, 0));
                     const int end = p.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
                     for (int i = begin; i < end; ++i) {

@@ -60,7 +60,9 @@ void for_each_tile(const CellBox& box, const Visit& visit) {
 
 int TileHalo::connect(const Decomposition& decomposition, const CellBox& window, std::vector<int>& codes) {
     comm_ = decomposition.comm();
-    const auto code = [&](int x, int y, int z) -> int& { return codes[static_cast<std::size_t>(window.index(x, y, z))]; };
+    const auto code = [&](int x, int y, int z) -> int& {
+        return codes[static_cast<std::size_t>(window.index(x, y, z))];
+    };
     const auto regions = find_regions(decomposition);
     std::vector<Message> messages;
     for (const auto& region : regions) {
@@ -110,13 +112,13 @@ void TileHalo::gather(const NodeField& field) {
     reserve(receive_, static_cast<std::size_t>(in));
     const auto send = send_, receive = receive_;
     const auto sent = sent_, received = received_;
-    Kokkos::parallel_for("treacle::pack_tiles", out, KOKKOS_LAMBDA(std::int64_t k) {
-        send(k) = value(std::int64_t(sent(k / nodes)) * nodes + k % nodes);
-    });
+    Kokkos::parallel_for(
+        "treacle::pack_tiles", out,
+        KOKKOS_LAMBDA(std::int64_t k) { send(k) = value(std::int64_t(sent(k / nodes)) * nodes + k % nodes); });
     exchange_slices(comm_, {outgoing_, send_}, {incoming_, receive_}, nodes);
-    Kokkos::parallel_for("treacle::unpack_tiles", in, KOKKOS_LAMBDA(std::int64_t k) {
-        value(std::int64_t(received(k / nodes)) * nodes + k % nodes) = receive(k);
-    });
+    Kokkos::parallel_for(
+        "treacle::unpack_tiles", in,
+        KOKKOS_LAMBDA(std::int64_t k) { value(std::int64_t(received(k / nodes)) * nodes + k % nodes) = receive(k); });
 }
 
 } // namespace treacle::surface

@@ -23,7 +23,8 @@ Particles views(const ParticleStore& store, const Sources& sources) {
     if (out.has_pressure) out.pressure = store.get<Array<double>>(sources.pressure);
     if (out.has_liquid) out.liquid = store.get<Array<int>>(sources.liquid);
     out.scalars = static_cast<int>(sources.scalars.size());
-    for (std::size_t k = 0; k < sources.scalars.size(); ++k) out.scalar[k] = store.get<Array<double>>(sources.scalars[k]);
+    for (std::size_t k = 0; k < sources.scalars.size(); ++k)
+        out.scalar[k] = store.get<Array<double>>(sources.scalars[k]);
     return out;
 }
 // Weighted sums over the particles around a vertex.
@@ -77,12 +78,14 @@ struct AttributeLoop {
                     if (!points.window.contains(t)) continue;
                     const int tile = points.tile(points.window.index(t[0], t[1], t[2]));
                     if (tile < 0) continue;
-                    const int row = tile * per_tile + bins_edge * ((by & 3) + bins_edge * (dimensions == 3 ? bz & 3 : 0));
+                    const int row =
+                        tile * per_tile + bins_edge * ((by & 3) + bins_edge * (dimensions == 3 ? bz & 3 : 0));
                     const int begin = points.begin(row + math::max(first[0] - 4 * tx, 0));
                     const int end = points.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
                     for (int i = begin; i < end; ++i) {
                         if (points.original(i) == 0) continue;
-                        double w = cubic_spline((x[0] - points.place[0](i)) * to_h[0]) * cubic_spline((x[1] - points.place[1](i)) * to_h[1]);
+                        double w = cubic_spline((x[0] - points.place[0](i)) * to_h[0]) *
+                                   cubic_spline((x[1] - points.place[1](i)) * to_h[1]);
                         if (dimensions == 3) w *= cubic_spline((x[2] - points.place[2](i)) * to_h[2]);
                         if (w != 0) sums.add(from, points.row(i), w);
                     }
@@ -102,15 +105,16 @@ struct AttributeLoop {
 };
 } // namespace
 
-void Attributes::interpolate(const Patch& patch, const SourceParticles& sources, const Lattice& lattice, const Points& points,
-                             const Options& options) {
+void Attributes::interpolate(const Patch& patch, const SourceParticles& sources, const Lattice& lattice,
+    const Points& points, const Options& options) {
     const auto n = static_cast<std::size_t>(patch.vertices);
     reserve(velocity_, 3 * n);
     reserve(pressure_, n);
     reserve(liquid_, n);
     reserve(scalars_, sources.fields.scalars.size() * n);
-    const AttributeLoop loop{views(sources.store, sources.fields), lattice, points, {0.8 * options.spacing, options.kernel_width * options.spacing},
-                             lattice.bins_per_tile(), patch.vertices, patch.position, velocity_, pressure_, scalars_, liquid_};
+    const AttributeLoop loop{views(sources.store, sources.fields), lattice, points,
+        {0.8 * options.spacing, options.kernel_width * options.spacing}, lattice.bins_per_tile(), patch.vertices,
+        patch.position, velocity_, pressure_, scalars_, liquid_};
     Kokkos::parallel_for("treacle::surface_attributes", patch.vertices, loop);
 }
 

@@ -23,7 +23,7 @@ struct SourceParticles {
 class Attributes {
 public:
     void interpolate(const Patch& patch, const SourceParticles& sources, const Lattice& lattice, const Points& points,
-                     const Options& options);
+        const Options& options);
 
     const Array<double>& velocity() const { return velocity_; } // [vertices * 3]
     const Array<double>& pressure() const { return pressure_; } // [vertices]

@@ -94,14 +94,16 @@ double enclosed(const HostPatch& patch, int t, double spacing) {
         for (std::size_t a = 0; a < 3; ++a) x[k][a] = patch.position[3 * v + a] / spacing;
     }
     if (patch.per == 2) return (x[0][0] * x[1][1] - x[0][1] * x[1][0]) / 2;
-    const Vec3 c{x[1][1] * x[2][2] - x[1][2] * x[2][1], x[1][2] * x[2][0] - x[1][0] * x[2][2], x[1][0] * x[2][1] - x[1][1] * x[2][0]};
+    const Vec3 c{x[1][1] * x[2][2] - x[1][2] * x[2][1], x[1][2] * x[2][0] - x[1][0] * x[2][2],
+        x[1][0] * x[2][1] - x[1][1] * x[2][0]};
     return (x[0][0] * c[0] + x[0][1] * c[1] + x[0][2] * c[2]) / 6;
 }
 
 // Labels spread over shared vertices until none changes.
 class Labels {
 public:
-    Labels(const Comm& comm, const HostPatch& patch, const VertexOwners& owners, Sets& sets, const std::vector<char>& used)
+    Labels(
+        const Comm& comm, const HostPatch& patch, const VertexOwners& owners, Sets& sets, const std::vector<char>& used)
         : comm_(comm) {
         label_.assign(static_cast<std::size_t>(patch.vertices), std::numeric_limits<std::int64_t>::max());
         for (int v = 0; v < patch.vertices; ++v) {
@@ -131,7 +133,8 @@ public:
                 served_[message.rank].push_back(at == rows.end() ? -1 : sets.find(at->second));
             }
         }
-        while (comm.any(spread())) {}
+        while (comm.any(spread())) {
+        }
     }
     std::int64_t of(int root) const { return label_[static_cast<std::size_t>(root)]; }
 
@@ -145,7 +148,8 @@ private:
         std::vector<Message> out;
         for (const auto& [rank, roots] : lists) {
             std::vector<std::int64_t> labels;
-            for (const int root : roots) labels.push_back(root < 0 ? std::numeric_limits<std::int64_t>::max() : of(root));
+            for (const int root : roots)
+                labels.push_back(root < 0 ? std::numeric_limits<std::int64_t>::max() : of(root));
             out.push_back(pack(rank, labels));
         }
         return out;
@@ -171,7 +175,7 @@ private:
 
 // Collective: the sum of a label's volumes over the ranks, for the labels that this rank has.
 std::map<std::int64_t, std::int64_t> sum_volumes(const Comm& comm, const std::map<std::int64_t, std::int64_t>& mine,
-                                                 std::int64_t limit, Summary& summary, double unit) {
+    std::int64_t limit, Summary& summary, double unit) {
     std::map<int, std::vector<std::int64_t>> parts;
     for (const auto& [label, volume] : mine) {
         auto& part = parts[static_cast<int>(label % comm.size())];
@@ -213,7 +217,7 @@ std::map<std::int64_t, std::int64_t> sum_volumes(const Comm& comm, const std::ma
 } // namespace
 
 std::vector<char> find_components(const Comm& comm, const HostPatch& patch, const VertexOwners& owners, double spacing,
-                                  double min_volume, Summary& summary) {
+    double min_volume, Summary& summary) {
     Sets sets(patch.vertices);
     std::vector<char> used(static_cast<std::size_t>(patch.vertices), 0);
     const auto corner = [&](int t, int k) { return patch.corner[static_cast<std::size_t>(patch.per * t + k)]; };
@@ -229,10 +233,12 @@ std::vector<char> find_components(const Comm& comm, const HostPatch& patch, cons
     std::vector<std::int64_t> by_root(static_cast<std::size_t>(patch.vertices), 0);
     for (int t = 0; t < patch.triangles; ++t) {
         if (patch.own[static_cast<std::size_t>(t)] == 0) continue;
-        by_root[static_cast<std::size_t>(sets.find(corner(t, 0)))] += std::llround(enclosed(patch, t, spacing) * volume_unit);
+        by_root[static_cast<std::size_t>(sets.find(corner(t, 0)))] +=
+            std::llround(enclosed(patch, t, spacing) * volume_unit);
     }
     for (int v = 0; v < patch.vertices; ++v) {
-        if (used[static_cast<std::size_t>(v)] && sets.find(v) == v) volumes[labels.of(v)] += by_root[static_cast<std::size_t>(v)];
+        if (used[static_cast<std::size_t>(v)] && sets.find(v) == v)
+            volumes[labels.of(v)] += by_root[static_cast<std::size_t>(v)];
     }
     const double unit = std::pow(spacing, patch.per) / volume_unit;
     const auto limit = static_cast<std::int64_t>(min_volume * volume_unit);
@@ -244,7 +250,8 @@ std::vector<char> find_components(const Comm& comm, const HostPatch& patch, cons
         keep_root[static_cast<std::size_t>(v)] = std::abs(total.at(labels.of(v))) >= limit ? 1 : 0;
     }
     for (int t = 0; t < patch.triangles; ++t) {
-        if (patch.own[static_cast<std::size_t>(t)] != 0) kept[static_cast<std::size_t>(t)] = keep_root[static_cast<std::size_t>(sets.find(corner(t, 0)))];
+        if (patch.own[static_cast<std::size_t>(t)] != 0)
+            kept[static_cast<std::size_t>(t)] = keep_root[static_cast<std::size_t>(sets.find(corner(t, 0)))];
     }
     return kept;
 }

@@ -30,6 +30,6 @@ private:
 // `min_volume` spacings^dimensions are to be dropped: kept[t] of this rank's own triangles is 0 then. Volumes are sums of
 // whole numbers, the same on any number of ranks. Fills the summary.
 std::vector<char> find_components(const Comm& comm, const HostPatch& patch, const VertexOwners& owners, double spacing,
-                                  double min_volume, Summary& summary);
+    double min_volume, Summary& summary);
 
 } // namespace treacle::surface

@@ -16,7 +16,9 @@ namespace {
 // (`to`) or reaches it (`from`), the other is -1.
 struct Spoke {
     std::int64_t vertex, from, to;
-    bool operator<(const Spoke& other) const { return std::tie(vertex, from, to) < std::tie(other.vertex, other.from, other.to); }
+    bool operator<(const Spoke& other) const {
+        return std::tie(vertex, from, to) < std::tie(other.vertex, other.from, other.to);
+    }
 };
 
 bool is_flat(const Mesh& mesh, const std::array<int, 3>& t) {
@@ -24,7 +26,9 @@ bool is_flat(const Mesh& mesh, const std::array<int, 3>& t) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
     double u[3], v[3];
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto at = [&](int corner) { return mesh.vertices[3 * static_cast<std::size_t>(t[static_cast<std::size_t>(corner)]) + k]; };
+        const auto at = [&](int corner) {
+            return mesh.vertices[3 * static_cast<std::size_t>(t[static_cast<std::size_t>(corner)]) + k];
+        };
         u[k] = at(1) - at(0);
         v[k] = at(2) - at(0);
     }
@@ -52,7 +56,8 @@ std::vector<Spoke> share_out(const Comm& comm, const std::vector<std::vector<Spo
 // The spokes of one vertex, in order: their rims must join to one ring.
 void look_at(std::span<const Spoke> spokes, MeshFaults& faults) {
     const auto next = [&](std::int64_t from) {
-        const auto at = std::lower_bound(spokes.begin(), spokes.end(), from, [](const Spoke& s, std::int64_t v) { return s.from < v; });
+        const auto at = std::lower_bound(
+            spokes.begin(), spokes.end(), from, [](const Spoke& s, std::int64_t v) { return s.from < v; });
         return at != spokes.end() && at->from == from ? at : spokes.end();
     };
     std::int64_t open = 0, crowded = 0;
@@ -102,8 +107,10 @@ MeshFaults check_mesh(const Comm& comm, const Mesh& mesh) {
         auto end = begin;
         while (end < spokes.size() && spokes[end].vertex == spokes[begin].vertex) ++end;
         const std::span<const Spoke> fan(spokes.data() + begin, end - begin);
-        if (mesh.dimensions == 2) look_at_plane(fan, faults);
-        else look_at(fan, faults);
+        if (mesh.dimensions == 2)
+            look_at_plane(fan, faults);
+        else
+            look_at(fan, faults);
         begin = end;
     }
     std::int64_t sums[] = {faults.open, faults.crowded, faults.pinched, faults.flat};

@@ -8,10 +8,11 @@ namespace treacle::surface {
 
 // Faults of a surface; all zero for a closed, oriented manifold. The same on every rank.
 struct MeshFaults {
-    std::int64_t open = 0;     // edges (2D: vertices) with a triangle on one side only
-    std::int64_t crowded = 0;  // directed edges of more than one triangle: more than two at an edge, or turned against each other
-    std::int64_t pinched = 0;  // vertices at which the surface touches itself: more than one fan of triangles
-    std::int64_t flat = 0;     // triangles with a corner twice or without area
+    std::int64_t open = 0; // edges (2D: vertices) with a triangle on one side only
+    std::int64_t crowded =
+        0; // directed edges of more than one triangle: more than two at an edge, or turned against each other
+    std::int64_t pinched = 0; // vertices at which the surface touches itself: more than one fan of triangles
+    std::int64_t flat = 0;    // triangles with a corner twice or without area
     bool none() const { return open == 0 && crowded == 0 && pinched == 0 && flat == 0; }
 };
 

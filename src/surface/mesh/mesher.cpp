@@ -22,15 +22,20 @@ void check(const Options& options) {
         throw InputError({"surface", problem, "", cure});
     };
     if (!(options.spacing > 0)) refuse("the particles' spacing must be > 0", "");
-    if (!(options.lattice_step >= 0.25 && options.lattice_step <= 1)) refuse("the lattice's step must be 0.25 to 1 spacings", "0.5 is usual");
+    if (!(options.lattice_step >= 0.25 && options.lattice_step <= 1))
+        refuse("the lattice's step must be 0.25 to 1 spacings", "0.5 is usual");
     // A tile's neighbours hold what its nodes are summed over.
     if (!(options.kernel_width >= 1 && 2 * options.kernel_width <= (tile_edge - 1) * options.lattice_step)) {
-        refuse("the kernel's width must be 1 spacing or more and its support within 7 cells of the lattice", "take a larger step");
+        refuse("the kernel's width must be 1 spacing or more and its support within 7 cells of the lattice",
+            "take a larger step");
     }
     if (options.smoothing_passes < 0 || options.smoothing_passes > 3) refuse("smoothing passes must be 0 to 3", "");
-    if (!(std::abs(options.iso) <= 0.5)) refuse("the surface's value must be -0.5 to 0.5 spacings", "0 keeps the volume");
-    if (options.scalars < 0 || options.scalars > most_scalars) refuse("vertices take up to 16 numbers", "name fewer fields");
-    if (options.deconvolution_passes < 0 || options.deconvolution_passes > 20) refuse("deconvolution passes must be 0 to 20", "");
+    if (!(std::abs(options.iso) <= 0.5))
+        refuse("the surface's value must be -0.5 to 0.5 spacings", "0 keeps the volume");
+    if (options.scalars < 0 || options.scalars > most_scalars)
+        refuse("vertices take up to 16 numbers", "name fewer fields");
+    if (options.deconvolution_passes < 0 || options.deconvolution_passes > 20)
+        refuse("deconvolution passes must be 0 to 20", "");
 }
 } // namespace
 
@@ -42,7 +47,8 @@ Mesher::Mesher(const Comm& comm, const Domain& domain, const Options& options)
     store_.add<Array<int>>("liquid", "", FieldRole::state);
     store_.add<Array<std::int64_t>>("image", "", FieldRole::state);
     sources_ = {velocity, pressure, liquid, {}};
-    for (int k = 0; k < options.scalars; ++k) sources_.scalars.push_back(store_.add<Array<double>>("scalar " + std::to_string(k), "", FieldRole::state));
+    for (int k = 0; k < options.scalars; ++k)
+        sources_.scalars.push_back(store_.add<Array<double>>("scalar " + std::to_string(k), "", FieldRole::state));
 }
 
 Mesher::~Mesher() = default;
@@ -66,7 +72,9 @@ void Mesher::take(const ParticleRows& particles) {
         finite = finite && std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
         if (near_domain(x)) rows.push_back(i);
     }
-    if (comm_.any(!finite)) throw InputError({"surface", "a particle's position is not finite", "the run has diverged", "take an earlier frame"});
+    if (comm_.any(!finite))
+        throw InputError(
+            {"surface", "a particle's position is not finite", "the run has diverged", "take an earlier frame"});
     const auto n = static_cast<int>(rows.size());
     store_.resize_owned(n);
     const auto& x = store_.position();
@@ -107,8 +115,9 @@ namespace {
 Bounds bounds_of(const ParticleStore& store) {
     const auto x = store.position();
     int none = 0;
-    return reduce_bounds("treacle::surface_bounds", 0, store.owned(), none,
-                         KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); });
+    return reduce_bounds(
+        "treacle::surface_bounds", 0, store.owned(), none,
+        KOKKOS_LAMBDA(int i, Bounds& around, int&) { around.include(x(i, 0), x(i, 1), x(i, 2)); });
 }
 } // namespace
 
@@ -186,7 +195,10 @@ const Mesh& Mesher::build(const ParticleRows& particles, const Solids& solids) {
     const auto host = to_host(patch);
     const VertexOwners owners(*decomposition_, lattice_);
     const auto kept = find_components(comm_, host, owners, options_.spacing, options_.min_volume, summary_);
-    number_mesh(comm_, {host, kept}, owners, {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid(), attributes_.scalars(), options_.scalars}, mesh_);
+    number_mesh(comm_, {host, kept}, owners,
+        {normals, attributes_.velocity(), attributes_.pressure(), attributes_.liquid(), attributes_.scalars(),
+            options_.scalars},
+        mesh_);
     summary_.area = comm_.sum(area_of(mesh_));
     return mesh_;
 }

@@ -13,11 +13,11 @@ namespace treacle::surface {
 
 // Particles of this rank, in any order and of any place: the rank need not own the space that they are in.
 struct ParticleRows {
-    std::span<const double> position;   // [n][3] [m]
-    std::span<const std::int64_t> id;   // [n] no two alike over all ranks
-    std::span<const double> velocity;   // [n][3] [m/s], or none
-    std::span<const double> pressure;   // [n] [Pa], or none
-    std::span<const std::int64_t> liquid; // [n], or none
+    std::span<const double> position;                  // [n][3] [m]
+    std::span<const std::int64_t> id;                  // [n] no two alike over all ranks
+    std::span<const double> velocity;                  // [n][3] [m/s], or none
+    std::span<const double> pressure;                  // [n] [Pa], or none
+    std::span<const std::int64_t> liquid;              // [n], or none
     std::vector<std::span<const double>> scalars = {}; // [Options::scalars][n]
 };
 

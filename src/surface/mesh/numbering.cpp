@@ -55,7 +55,8 @@ std::vector<char> used_by_triangles(const KeptPatch& kept) {
 }
 
 // Used vertices that other ranks own.
-Requests requests_to_owners(const Comm& comm, const HostPatch& patch, const VertexOwners& owners, const std::vector<char>& used) {
+Requests requests_to_owners(
+    const Comm& comm, const HostPatch& patch, const VertexOwners& owners, const std::vector<char>& used) {
     Requests out;
     if (comm.size() == 1) return out;
     for (std::size_t v = 0; v < used.size(); ++v) {
@@ -79,7 +80,8 @@ std::vector<Message> exchange_requests(const Comm& comm, const Requests& request
 std::unordered_map<std::int64_t, int> rows_by_key(const HostPatch& patch) {
     std::unordered_map<std::int64_t, int> rows;
     rows.reserve(static_cast<std::size_t>(patch.vertices));
-    for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vertices); ++v) rows.emplace(patch.key[v], static_cast<int>(v));
+    for (std::size_t v = 0; v < static_cast<std::size_t>(patch.vertices); ++v)
+        rows.emplace(patch.key[v], static_cast<int>(v));
     return rows;
 }
 
@@ -129,7 +131,8 @@ void number_triangles(const Comm& comm, const KeptPatch& kept, const Numbering& 
     mesh.triangles.clear();
     each_kept(kept, [&](const int* corner) {
         auto& triangle = mesh.triangles.emplace_back(std::array<int, 3>{-1, -1, -1});
-        for (int k = 0; k < kept.patch.per; ++k) triangle[static_cast<std::size_t>(k)] = numbering.row_of[static_cast<std::size_t>(corner[k])];
+        for (int k = 0; k < kept.patch.per; ++k)
+            triangle[static_cast<std::size_t>(k)] = numbering.row_of[static_cast<std::size_t>(corner[k])];
     });
     const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
     mesh.first_triangle = comm.exclusive_sum(triangles);
@@ -138,7 +141,8 @@ void number_triangles(const Comm& comm, const KeptPatch& kept, const Numbering& 
 
 void copy_values(const HostPatch& patch, const VertexValues& values, const std::vector<int>& order, Mesh& mesh) {
     const auto n = static_cast<std::size_t>(patch.vertices);
-    const auto normal = on_host(values.normal), velocity = on_host(values.velocity), pressure = on_host(values.pressure);
+    const auto normal = on_host(values.normal), velocity = on_host(values.velocity),
+               pressure = on_host(values.pressure);
     const auto liquid = on_host(values.liquid);
     const auto scalar = on_host(values.scalar);
     const auto size = order.size();
@@ -164,7 +168,8 @@ void copy_values(const HostPatch& patch, const VertexValues& values, const std::
 }
 } // namespace
 
-void number_mesh(const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, const VertexValues& values, Mesh& mesh) {
+void number_mesh(
+    const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, const VertexValues& values, Mesh& mesh) {
     const auto numbering = number_vertices(comm, kept, owners, mesh);
     number_triangles(comm, kept, numbering, mesh);
     copy_values(kept.patch, values, numbering.order, mesh);

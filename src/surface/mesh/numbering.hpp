@@ -20,7 +20,8 @@ struct KeptPatch {
 
 // Collective: the kept triangles of this rank and their vertices, numbered over all ranks: each rank's own vertices follow
 // those of the ranks before it; the numbers of others' vertices come from their owners.
-void number_mesh(const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, const VertexValues& values, Mesh& mesh);
+void number_mesh(
+    const Comm& comm, const KeptPatch& kept, const VertexOwners& owners, const VertexValues& values, Mesh& mesh);
 
 // Area of this rank's triangles [m2], in 2D length of its segments [m].
 double area_of(const Mesh& mesh);

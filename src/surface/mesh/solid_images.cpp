@@ -42,7 +42,8 @@ private:
     std::vector<signed char> near_;
 };
 
-std::vector<Image> find_images(const ParticleStore& store, const Solids& solids, double support, const Lattice& lattice) {
+std::vector<Image> find_images(
+    const ParticleStore& store, const Solids& solids, double support, const Lattice& lattice) {
     std::vector<Image> out;
     const auto x = on_host(store.position());
     std::int64_t code = 0;
@@ -79,7 +80,8 @@ void copy_rows(const View& view, int first, const std::vector<Image>& images) {
 }
 } // namespace
 
-void add_solid_images(ParticleStore& store, int image_field, const Solids& solids, double support, const Lattice& lattice) {
+void add_solid_images(
+    ParticleStore& store, int image_field, const Solids& solids, double support, const Lattice& lattice) {
     const auto images = find_images(store, solids, support, lattice);
     const int first = store.owned();
     store.resize_owned(first + static_cast<int>(images.size()));

@@ -9,6 +9,7 @@ namespace treacle::surface {
 // and its normal n, and images of images where several solids are near. An image stays where the surface that it was
 // mirrored at is the nearest one, which in thin solids is the half on the particle's side. Images have the fields of their
 // particles; `image_field` has the solids that they were mirrored in. They may lie in other ranks' cells: migrate next.
-void add_solid_images(ParticleStore& store, int image_field, const Solids& solids, double support, const Lattice& lattice);
+void add_solid_images(
+    ParticleStore& store, int image_field, const Solids& solids, double support, const Lattice& lattice);
 
 } // namespace treacle::surface

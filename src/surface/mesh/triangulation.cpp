@@ -94,27 +94,30 @@ KOKKOS_INLINE_FUNCTION bool Triangulation::View::cell(const int tile[3], int ite
 void Triangulation::mark_vertices(const View& view, const Array<int>& tiles, int slots) {
     const int nodes = view.field.nodes();
     const auto mask = mask_, first = first_;
-    Kokkos::parallel_for("treacle::mark_vertices", std::int64_t(slots) * nodes, KOKKOS_LAMBDA(std::int64_t at) {
-        const auto& l = view.lattice;
-        const int local = static_cast<int>(at % nodes);
-        int c[3], bits = 0;
-        view.field.window.cell(tiles(static_cast<int>(at / nodes)), c);
-        int node[3] = {tile_edge * c[0] + (local & 7), tile_edge * c[1] + (local >> 3 & 7), tile_edge * c[2] + (local >> 6)};
-        bool there = !l.outside(node);
-        for (int k = 0; k < l.dimensions; ++k) there = there && node[k] >= view.cells.lo[k] && node[k] <= view.cells.hi[k];
-        if (there) {
-            const bool inside = view.field.value(at) > 0;
-            for (int k = 0; k < l.dimensions; ++k) {
-                if (inside && (node[k] == l.lo[k] || node[k] == l.hi[k])) bits |= 1 << cut_bit;
-                if (node[k] == l.hi[k] || node[k] == view.cells.hi[k]) continue; // no cell has the edge
-                ++node[k];
-                if ((view.field.at(node) > 0) != inside) bits |= 1 << k;
-                --node[k];
+    Kokkos::parallel_for(
+        "treacle::mark_vertices", std::int64_t(slots) * nodes, KOKKOS_LAMBDA(std::int64_t at) {
+            const auto& l = view.lattice;
+            const int local = static_cast<int>(at % nodes);
+            int c[3], bits = 0;
+            view.field.window.cell(tiles(static_cast<int>(at / nodes)), c);
+            int node[3] = {
+                tile_edge * c[0] + (local & 7), tile_edge * c[1] + (local >> 3 & 7), tile_edge * c[2] + (local >> 6)};
+            bool there = !l.outside(node);
+            for (int k = 0; k < l.dimensions; ++k)
+                there = there && node[k] >= view.cells.lo[k] && node[k] <= view.cells.hi[k];
+            if (there) {
+                const bool inside = view.field.value(at) > 0;
+                for (int k = 0; k < l.dimensions; ++k) {
+                    if (inside && (node[k] == l.lo[k] || node[k] == l.hi[k])) bits |= 1 << cut_bit;
+                    if (node[k] == l.hi[k] || node[k] == view.cells.hi[k]) continue; // no cell has the edge
+                    ++node[k];
+                    if ((view.field.at(node) > 0) != inside) bits |= 1 << k;
+                    --node[k];
+                }
             }
-        }
-        mask(at) = bits;
-        first(at) = bits_below(bits, 5);
-    });
+            mask(at) = bits;
+            first(at) = bits_below(bits, 5);
+        });
 }
 
 namespace {
@@ -145,22 +148,27 @@ void Triangulation::mark_centres(const View& view, const Array<int>& tiles, int 
     const int per_slot = cells_per_slot(view.lattice.dimensions);
     const auto mask = mask_, first = first_;
     if (view.lattice.dimensions == 2) return;
-    Kokkos::parallel_for("treacle::mark_centres", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
-        int tile[3], c[3];
-        view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
-        if (!view.cell(tile, static_cast<int>(item % per_slot), c) || view.lattice.outside(c)) return;
-        int next[12], n = 0, faces[12];
-        if (!link_cell(view, c, next)) return;
-        follow_polygons(next, [&](int edge) { faces[n++] = edge_faces(edge); }, [&] {
-            int triangles[10][3];
-            if (n >= 8 && triangulate_polygon(n, faces, [](int, int) { return 1.0; }, triangles) < 0) {
-                const std::int64_t node = std::int64_t(view.field.slot(c)) * view.field.nodes() + view.field.local(c);
-                mask(node) |= 1 << centre_bit;
-                first(node) = bits_below(mask(node), 5);
-            }
-            n = 0;
+    Kokkos::parallel_for(
+        "treacle::mark_centres", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
+            int tile[3], c[3];
+            view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
+            if (!view.cell(tile, static_cast<int>(item % per_slot), c) || view.lattice.outside(c)) return;
+            int next[12], n = 0, faces[12];
+            if (!link_cell(view, c, next)) return;
+            follow_polygons(
+                next, [&](int edge) { faces[n++] = edge_faces(edge); },
+                [&] {
+                    int triangles[10][3];
+                    if (n >= 8 && triangulate_polygon(
+                                      n, faces, [](int, int) { return 1.0; }, triangles) < 0) {
+                        const std::int64_t node =
+                            std::int64_t(view.field.slot(c)) * view.field.nodes() + view.field.local(c);
+                        mask(node) |= 1 << centre_bit;
+                        first(node) = bits_below(mask(node), 5);
+                    }
+                    n = 0;
+                });
         });
-    });
 }
 
 void Triangulation::place_vertices(const View& view, const ImplicitFunction& function) {
@@ -172,47 +180,52 @@ void Triangulation::place_vertices(const View& view, const ImplicitFunction& fun
     const auto position = patch_.position;
     const auto key = patch_.key;
     const auto fixed = patch_.fixed;
-    Kokkos::parallel_for("treacle::place_vertices", std::int64_t(function.slots()) * nodes, KOKKOS_LAMBDA(std::int64_t at) {
-        const int bits = mask(at);
-        if (bits == 0) return;
-        const auto& l = view.lattice;
-        const int local = static_cast<int>(at % nodes);
-        int c[3];
-        view.field.window.cell(tiles(static_cast<int>(at / nodes)), c);
-        int node[3] = {tile_edge * c[0] + (local & 7), tile_edge * c[1] + (local >> 3 & 7), tile_edge * c[2] + (local >> 6)};
-        int cut = 0; // axes at right angles to faces that the node lies on
-        for (int k = 0; k < l.dimensions; ++k) {
-            if (node[k] == l.lo[k] || node[k] == l.hi[k]) cut |= 1 << k;
-        }
-        int v = first(at);
-        for (int b = 0; b < 5; ++b) {
-            if ((bits >> b & 1) == 0) continue;
-            double t = 0;
-            int stays = cut;
-            if (b < 3) {
-                const double here = view.field.value(at);
-                ++node[b];
-                const double there = view.field.at(node);
-                if (solids) {
-                    const std::int64_t other = std::int64_t(view.field.slot(node)) * nodes + view.field.local(node);
-                    if (at_solid(at) != 0 || at_solid(other) != 0) stays |= 8;
+    Kokkos::parallel_for(
+        "treacle::place_vertices", std::int64_t(function.slots()) * nodes, KOKKOS_LAMBDA(std::int64_t at) {
+            const int bits = mask(at);
+            if (bits == 0) return;
+            const auto& l = view.lattice;
+            const int local = static_cast<int>(at % nodes);
+            int c[3];
+            view.field.window.cell(tiles(static_cast<int>(at / nodes)), c);
+            int node[3] = {
+                tile_edge * c[0] + (local & 7), tile_edge * c[1] + (local >> 3 & 7), tile_edge * c[2] + (local >> 6)};
+            int cut = 0; // axes at right angles to faces that the node lies on
+            for (int k = 0; k < l.dimensions; ++k) {
+                if (node[k] == l.lo[k] || node[k] == l.hi[k]) cut |= 1 << k;
+            }
+            int v = first(at);
+            for (int b = 0; b < 5; ++b) {
+                if ((bits >> b & 1) == 0) continue;
+                double t = 0;
+                int stays = cut;
+                if (b < 3) {
+                    const double here = view.field.value(at);
+                    ++node[b];
+                    const double there = view.field.at(node);
+                    if (solids) {
+                        const std::int64_t other = std::int64_t(view.field.slot(node)) * nodes + view.field.local(node);
+                        if (at_solid(at) != 0 || at_solid(other) != 0) stays |= 8;
+                    }
+                    --node[b];
+                    t = math::min(1 - margin, math::max(margin, here / (here - there)));
+                    stays &= ~(1 << b);
                 }
-                --node[b];
-                t = math::min(1 - margin, math::max(margin, here / (here - there)));
-                stays &= ~(1 << b);
+                if (b == cut_bit) stays |= 8;
+                int doubled[3] = {0, 0, 0};
+                for (int k = 0; k < 3; ++k) {
+                    const bool flat = k >= l.dimensions;
+                    doubled[k] = flat ? 0 : 2 * (node[k] + tile_edge * l.base[k]) + (b == k || b == centre_bit ? 1 : 0);
+                    position(3 * std::int64_t(v) + k) = flat ? 0
+                                                             : l.position(k, node[k] + (b == k               ? t
+                                                                                           : b == centre_bit ? 0.5
+                                                                                                             : 0));
+                }
+                key(v) = pack_key(doubled);
+                fixed(v) = stays;
+                ++v;
             }
-            if (b == cut_bit) stays |= 8;
-            int doubled[3] = {0, 0, 0};
-            for (int k = 0; k < 3; ++k) {
-                const bool flat = k >= l.dimensions;
-                doubled[k] = flat ? 0 : 2 * (node[k] + tile_edge * l.base[k]) + (b == k || b == centre_bit ? 1 : 0);
-                position(3 * std::int64_t(v) + k) = flat ? 0 : l.position(k, node[k] + (b == k ? t : b == centre_bit ? 0.5 : 0));
-            }
-            key(v) = pack_key(doubled);
-            fixed(v) = stays;
-            ++v;
-        }
-    });
+        });
 }
 
 namespace {
@@ -222,15 +235,18 @@ KOKKOS_INLINE_FUNCTION void for_each_polygon(const Triangulation::View& view, co
     int next[12];
     if (!link_cell(view, c, next)) return;
     Polygon polygon;
-    follow_polygons(next, [&](int edge) {
-        const int corner = edge_corner(edge);
-        const int node[3] = {c[0] + (corner & 1), c[1] + (corner >> 1 & 1), c[2] + (corner >> 2)};
-        polygon.add(view.edge_vertex(node, edge / 4), edge_faces(edge));
-    }, [&] {
-        polygon.close();
-        if (polygon.n >= 3) visit(polygon);
-        polygon = Polygon();
-    });
+    follow_polygons(
+        next,
+        [&](int edge) {
+            const int corner = edge_corner(edge);
+            const int node[3] = {c[0] + (corner & 1), c[1] + (corner >> 1 & 1), c[2] + (corner >> 2)};
+            polygon.add(view.edge_vertex(node, edge / 4), edge_faces(edge));
+        },
+        [&] {
+            polygon.close();
+            if (polygon.n >= 3) visit(polygon);
+            polygon = Polygon();
+        });
 }
 
 // Segments of a cell in 2D: each from a vertex to the next with the liquid on its left.
@@ -267,44 +283,50 @@ void Triangulation::place_centres(const View& view, const Array<int>& tiles, int
     const int per_slot = cells_per_slot(3);
     const auto mask = mask_;
     const auto position = patch_.position;
-    Kokkos::parallel_for("treacle::place_centres", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
-        int tile[3], c[3];
-        view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
-        if (!view.cell(tile, static_cast<int>(item % per_slot), c) || view.lattice.outside(c)) return;
-        const std::int64_t node = std::int64_t(view.field.slot(c)) * view.field.nodes() + view.field.local(c);
-        if ((mask(node) >> centre_bit & 1) == 0) return;
-        const std::int64_t v = view.centre_vertex(c);
-        for_each_polygon(view, c, [&](const Polygon& polygon) {
-            int triangles[10][3];
-            if (polygon.n < 8 || triangulate_polygon(polygon.n, polygon.faces, [](int, int) { return 1.0; }, triangles) >= 0) return;
-            for (int k = 0; k < 3; ++k) {
-                double sum = 0;
-                for (int i = 0; i < polygon.n; ++i) sum += position(3 * std::int64_t(polygon.vertex[i]) + k);
-                position(3 * v + k) = sum / polygon.n;
-            }
+    Kokkos::parallel_for(
+        "treacle::place_centres", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
+            int tile[3], c[3];
+            view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
+            if (!view.cell(tile, static_cast<int>(item % per_slot), c) || view.lattice.outside(c)) return;
+            const std::int64_t node = std::int64_t(view.field.slot(c)) * view.field.nodes() + view.field.local(c);
+            if ((mask(node) >> centre_bit & 1) == 0) return;
+            const std::int64_t v = view.centre_vertex(c);
+            for_each_polygon(view, c, [&](const Polygon& polygon) {
+                int triangles[10][3];
+                if (polygon.n < 8 || triangulate_polygon(
+                                         polygon.n, polygon.faces, [](int, int) { return 1.0; }, triangles) >= 0)
+                    return;
+                for (int k = 0; k < 3; ++k) {
+                    double sum = 0;
+                    for (int i = 0; i < polygon.n; ++i) sum += position(3 * std::int64_t(polygon.vertex[i]) + k);
+                    position(3 * v + k) = sum / polygon.n;
+                }
+            });
         });
-    });
 }
 
 void Triangulation::count_triangles(const View& view, const Array<int>& tiles, int slots) {
     const int dimensions = view.lattice.dimensions, per_slot = cells_per_slot(dimensions);
     const auto counts = counts_;
-    Kokkos::parallel_for("treacle::count_triangles", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
-        counts(item) = 0;
-        int tile[3], c[3], count = 0;
-        view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
-        if (!view.cell(tile, static_cast<int>(item % per_slot), c)) return;
-        if (dimensions == 2) {
-            for_each_segment(view, c, [&](int, int) { ++count; });
-        } else {
-            for_each_polygon(view, c, [&](const Polygon& polygon) {
-                int triangles[10][3];
-                const bool centre = polygon.n >= 8 && triangulate_polygon(polygon.n, polygon.faces, [](int, int) { return 1.0; }, triangles) < 0;
-                count += centre ? polygon.n : polygon.n - 2;
-            });
-        }
-        counts(item) = count;
-    });
+    Kokkos::parallel_for(
+        "treacle::count_triangles", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
+            counts(item) = 0;
+            int tile[3], c[3], count = 0;
+            view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
+            if (!view.cell(tile, static_cast<int>(item % per_slot), c)) return;
+            if (dimensions == 2) {
+                for_each_segment(view, c, [&](int, int) { ++count; });
+            } else {
+                for_each_polygon(view, c, [&](const Polygon& polygon) {
+                    int triangles[10][3];
+                    const bool centre =
+                        polygon.n >= 8 && triangulate_polygon(
+                                              polygon.n, polygon.faces, [](int, int) { return 1.0; }, triangles) < 0;
+                    count += centre ? polygon.n : polygon.n - 2;
+                });
+            }
+            counts(item) = count;
+        });
 }
 
 void Triangulation::fill_triangles(const View& view, const Array<int>& tiles, int slots) {
@@ -312,54 +334,58 @@ void Triangulation::fill_triangles(const View& view, const Array<int>& tiles, in
     const auto counts = counts_;
     const auto corner = patch_.corner, own = patch_.own;
     const auto position = patch_.position;
-    Kokkos::parallel_for("treacle::fill_triangles", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
-        int to = counts(item);
-        if (counts(item + 1) == to) return;
-        int tile[3], c[3];
-        view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
-        view.cell(tile, static_cast<int>(item % per_slot), c);
-        const int mine = view.own_cell(c) ? 1 : 0;
-        if (dimensions == 2) {
-            for_each_segment(view, c, [&](int a, int b) {
-                corner(2 * to) = a;
-                corner(2 * to + 1) = b;
-                own(to) = mine;
-                ++to;
-            });
-            return;
-        }
-        for_each_polygon(view, c, [&](const Polygon& polygon) {
-            int triangles[10][3];
-            const auto length = [&](int i, int j) {
-                double square = 0;
-                for (int k = 0; k < 3; ++k) {
-                    const double d = position(3 * std::int64_t(polygon.vertex[i]) + k) - position(3 * std::int64_t(polygon.vertex[j]) + k);
-                    square += d * d;
+    Kokkos::parallel_for(
+        "treacle::fill_triangles", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
+            int to = counts(item);
+            if (counts(item + 1) == to) return;
+            int tile[3], c[3];
+            view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
+            view.cell(tile, static_cast<int>(item % per_slot), c);
+            const int mine = view.own_cell(c) ? 1 : 0;
+            if (dimensions == 2) {
+                for_each_segment(view, c, [&](int a, int b) {
+                    corner(2 * to) = a;
+                    corner(2 * to + 1) = b;
+                    own(to) = mine;
+                    ++to;
+                });
+                return;
+            }
+            for_each_polygon(view, c, [&](const Polygon& polygon) {
+                int triangles[10][3];
+                const auto length = [&](int i, int j) {
+                    double square = 0;
+                    for (int k = 0; k < 3; ++k) {
+                        const double d = position(3 * std::int64_t(polygon.vertex[i]) + k) -
+                                         position(3 * std::int64_t(polygon.vertex[j]) + k);
+                        square += d * d;
+                    }
+                    return square;
+                };
+                const int count = triangulate_polygon(polygon.n, polygon.faces, length, triangles);
+                for (int t = 0; t < count; ++t, ++to) {
+                    for (int k = 0; k < 3; ++k) corner(3 * std::int64_t(to) + k) = polygon.vertex[triangles[t][k]];
+                    own(to) = mine;
                 }
-                return square;
-            };
-            const int count = triangulate_polygon(polygon.n, polygon.faces, length, triangles);
-            for (int t = 0; t < count; ++t, ++to) {
-                for (int k = 0; k < 3; ++k) corner(3 * std::int64_t(to) + k) = polygon.vertex[triangles[t][k]];
-                own(to) = mine;
-            }
-            if (count >= 0) return;
-            const int centre = view.centre_vertex(c);
-            for (int i = 0; i < polygon.n; ++i, ++to) {
-                corner(3 * std::int64_t(to)) = polygon.vertex[i];
-                corner(3 * std::int64_t(to) + 1) = polygon.vertex[(i + 1) % polygon.n];
-                corner(3 * std::int64_t(to) + 2) = centre;
-                own(to) = mine;
-            }
+                if (count >= 0) return;
+                const int centre = view.centre_vertex(c);
+                for (int i = 0; i < polygon.n; ++i, ++to) {
+                    corner(3 * std::int64_t(to)) = polygon.vertex[i];
+                    corner(3 * std::int64_t(to) + 1) = polygon.vertex[(i + 1) % polygon.n];
+                    corner(3 * std::int64_t(to) + 2) = centre;
+                    own(to) = mine;
+                }
+            });
         });
-    });
 }
 
-const Patch& Triangulation::build(const Lattice& lattice, const CellBox& box, const ImplicitFunction& function, int layers) {
+const Patch& Triangulation::build(
+    const Lattice& lattice, const CellBox& box, const ImplicitFunction& function, int layers) {
     const int slots = box.empty() ? 0 : function.slots();
     const auto& field = function.field();
     const std::size_t nodes = static_cast<std::size_t>(slots) * static_cast<std::size_t>(lattice.nodes_per_tile());
-    const std::size_t cells = static_cast<std::size_t>(slots) * static_cast<std::size_t>(cells_per_slot(lattice.dimensions));
+    const std::size_t cells =
+        static_cast<std::size_t>(slots) * static_cast<std::size_t>(cells_per_slot(lattice.dimensions));
     reserve(mask_, nodes);
     reserve(first_, nodes + 1);
     reserve(counts_, cells + 1);

@@ -7,11 +7,11 @@ namespace treacle::surface {
 // the neighbours, bit for bit.
 struct Patch {
     int vertices = 0, triangles = 0;
-    Array<double> position;      // [vertices * 3] [m]
-    Array<std::int64_t> key;     // [vertices] LatticeKey of doubled global node numbers: an edge's middle, a cell's, a node
-    Array<int> fixed;            // [vertices] bits of axes along which smoothing leaves it; bit 3: whole
-    Array<int> corner;           // [triangles * 3] rows of vertices; 2D: [triangles * 2]
-    Array<int> own;              // [triangles] 1: of a cell of this rank
+    Array<double> position;  // [vertices * 3] [m]
+    Array<std::int64_t> key; // [vertices] LatticeKey of doubled global node numbers: an edge's middle, a cell's, a node
+    Array<int> fixed;        // [vertices] bits of axes along which smoothing leaves it; bit 3: whole
+    Array<int> corner;       // [triangles * 3] rows of vertices; 2D: [triangles * 2]
+    Array<int> own;          // [triangles] 1: of a cell of this rank
     int corners_per_triangle = 3;
 };
 
@@ -52,7 +52,8 @@ public:
 
 private:
     Patch patch_;
-    Array<int> mask_{"treacle::vertex_mask", 0}, first_{"treacle::vertex_first", 0}, counts_{"treacle::triangle_counts", 0};
+    Array<int> mask_{"treacle::vertex_mask", 0}, first_{"treacle::vertex_first", 0},
+        counts_{"treacle::triangle_counts", 0};
 };
 
 } // namespace treacle::surface

@@ -43,7 +43,7 @@ void make_right_handed(Points& points, const Board& board) {
     if (x.x * y.y - x.y * y.x > 0) return;
     for (int row = 0; row < board.rows; ++row)
         std::reverse(points.begin() + std::ptrdiff_t(row) * board.columns,
-                     points.begin() + std::ptrdiff_t(row + 1) * board.columns);
+            points.begin() + std::ptrdiff_t(row + 1) * board.columns);
 }
 
 // Least share of squares between the points that are light and dark in turns: those of a grid that OpenCV finds where
@@ -57,7 +57,8 @@ bool alternates(const cv::Mat& picture, const Points& points, const Board& board
         for (int column = 0; column < columns; ++column) {
             const std::size_t i = std::size_t(row) * board.columns + column, w = std::size_t(board.columns);
             cv::Mat patch;
-            cv::getRectSubPix(picture, {3, 3}, 0.25f * (points[i] + points[i + 1] + points[i + w] + points[i + w + 1]), patch);
+            cv::getRectSubPix(
+                picture, {3, 3}, 0.25f * (points[i] + points[i + 1] + points[i + w] + points[i + w + 1]), patch);
             grey.push_back(((row + column) % 2 ? -1 : 1) * cv::mean(patch)[0]);
         }
     int pairs = 0, right = 0;
@@ -75,8 +76,8 @@ bool alternates(const cv::Mat& picture, const Points& points, const Board& board
 }
 
 // Grey level in the middle of the corner square that lies outside of a corner of the grid.
-double corner_square(const cv::Mat& picture, const Points& points, std::size_t corner, std::size_t beside,
-                     std::size_t below) {
+double corner_square(
+    const cv::Mat& picture, const Points& points, std::size_t corner, std::size_t beside, std::size_t below) {
     const cv::Point2f at = points[corner] - 0.5f * (points[beside] - points[corner] + points[below] - points[corner]);
     cv::Mat patch;
     cv::getRectSubPix(picture, {3, 3}, at, patch);
@@ -101,8 +102,8 @@ void refine(const cv::Mat& picture, Points& points, const Board& board, const Bo
 double edge_width(const cv::Mat& picture, const Points& points, const Board& board) {
     double widest = 0;
     for (const bool vertical : {false, true})
-        widest = std::max(widest, cv::estimateChessboardSharpness(picture, {board.columns, board.rows}, points, 0.8f,
-                                                                  vertical)[0]);
+        widest = std::max(
+            widest, cv::estimateChessboardSharpness(picture, {board.columns, board.rows}, points, 0.8f, vertical)[0]);
     return widest;
 }
 
@@ -142,8 +143,10 @@ double area_within(const cv::Mat& picture, const cv::Point2f& centre, double rea
     double rim = 0, rim_count = 0, light = 0, count = 0;
     const auto clamped = [](double v, int size) { return std::clamp(int(std::lround(v)), 0, size - 1); };
     for (int row = clamped(centre.y - reach, picture.rows); row <= clamped(centre.y + reach, picture.rows); ++row)
-        for (int column = clamped(centre.x - reach, picture.cols); column <= clamped(centre.x + reach, picture.cols); ++column) {
-            const double apart = std::hypot(column - centre.x, row - centre.y), value = picture.at<std::uint8_t>(row, column);
+        for (int column = clamped(centre.x - reach, picture.cols); column <= clamped(centre.x + reach, picture.cols);
+             ++column) {
+            const double apart = std::hypot(column - centre.x, row - centre.y),
+                         value = picture.at<std::uint8_t>(row, column);
             if (apart > reach) continue;
             light += value;
             ++count;
@@ -170,7 +173,8 @@ double circle_diameter(const cv::Mat& picture, const Points& points, const Board
         for (std::size_t j = 0; j < points.size(); ++j)
             if (j != i) nearest = std::min(nearest, distance(points[i], points[j]));
         const double w = h.at<double>(2, 0) * places[i].x + h.at<double>(2, 1) * places[i].y + h.at<double>(2, 2);
-        const double area = area_within(picture, points[i], nearest / 2) * std::abs(w * w * w / cv::determinant(h)); // [m2]
+        const double area =
+            area_within(picture, points[i], nearest / 2) * std::abs(w * w * w / cv::determinant(h)); // [m2]
         diameters.push_back(std::sqrt(std::max(0.0, area) * 4 / std::numbers::pi));
     }
     std::ranges::nth_element(diameters, diameters.begin() + std::ssize(diameters) / 2);
@@ -207,7 +211,7 @@ Board read_board(const std::string& text) {
     if (std::sscanf(size.c_str(), "%3dx%3d%c", &board.columns, &board.rows, &rest) != 2 || board.columns < 2 ||
         board.rows < 2)
         throw InputError({"--board " + text, "is no board", "it takes the numbers of points of a row and of a column",
-                          "write 9x6 for a chessboard with 9 x 6 inner corners, circles:4x11 for an asymmetric grid of circles"});
+            "write 9x6 for a chessboard with 9 x 6 inner corners, circles:4x11 for an asymmetric grid of circles"});
     return board;
 }
 
@@ -216,11 +220,11 @@ void check_board(const Board& board) {
                        (board.kind == BoardKind::chessboard && (board.columns + board.rows) % 2 == 0) ||
                        (board.kind == BoardKind::asymmetric_circles && board.rows % 2 == 0);
     if (!alike) return;
-    throw InputError({"--board", "a " + board.text() + " looks the same turned by 180 degrees",
-                      "its pose would have two answers",
-                      board.kind == BoardKind::chessboard
-                          ? "take one whose numbers of inner corners are one even and one odd, such as 9x6"
-                          : "take an asymmetric grid with an odd number of rows, such as circles:4x11"});
+    throw InputError(
+        {"--board", "a " + board.text() + " looks the same turned by 180 degrees", "its pose would have two answers",
+            board.kind == BoardKind::chessboard
+                ? "take one whose numbers of inner corners are one even and one odd, such as 9x6"
+                : "take an asymmetric grid with an odd number of rows, such as circles:4x11"});
 }
 
 std::vector<Vec3> board_points(const Board& board) {
@@ -258,7 +262,8 @@ std::optional<std::array<int, 2>> size_of_chessboard(const Photo& photo) {
     const double scale = std::min(1.0, double(largest_search) / std::max(picture.cols, picture.rows));
     if (scale < 1) cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
     Points points;
-    if (!cv::findChessboardCornersSB(picture, {4, 3}, points, cv::CALIB_CB_LARGER | cv::CALIB_CB_NORMALIZE_IMAGE, size)) return {};
+    if (!cv::findChessboardCornersSB(picture, {4, 3}, points, cv::CALIB_CB_LARGER | cv::CALIB_CB_NORMALIZE_IMAGE, size))
+        return {};
     return std::array<int, 2>{std::max(size.cols, size.rows), std::min(size.cols, size.rows)};
 }
 

@@ -42,9 +42,9 @@ std::vector<Vec3> board_points(const Board& board);
 // The points in a picture.
 struct BoardView {
     std::vector<std::array<double, 2>> points; // [pixels], centre of the top left pixel at (0, 0)
-    double edge_width = 0;  // [pixels] over which the edges of squares rise from 10 to 90 %; circles: 0
-    double separation = 0;  // [pixels] smallest distance of neighbours
-    double diameter = 0;    // [m] of circles, as they are seen; chessboards: 0
+    double edge_width = 0; // [pixels] over which the edges of squares rise from 10 to 90 %; circles: 0
+    double separation = 0; // [pixels] smallest distance of neighbours
+    double diameter = 0;   // [m] of circles, as they are seen; chessboards: 0
     bool is_blurred() const { return edge_width > 0.35 * separation; }
 };
 

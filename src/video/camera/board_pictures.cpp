@@ -12,7 +12,7 @@ namespace treacle::video {
 
 namespace {
 
-constexpr std::size_t sizes_tried_on = 5; // pictures, of which three must agree
+constexpr std::size_t sizes_tried_on = 5;                        // pictures, of which three must agree
 constexpr std::int64_t frames_looked_at = 120, frames_kept = 50; // of a video
 constexpr double least_motion = 0.03; // of the board between frames that are kept, over the picture's width
 
@@ -27,7 +27,8 @@ Photo photo_of(const TimedFrame& frame, const std::string& clip) {
 }
 
 // Frames of a video, evenly picked, until `visit` returns false.
-void visit_frames(const std::filesystem::path& path, std::int64_t wanted, const std::function<bool(const Photo&, double)>& visit) {
+void visit_frames(
+    const std::filesystem::path& path, std::int64_t wanted, const std::function<bool(const Photo&, double)>& visit) {
     SourceRequest request;
     request.clip = path;
     request.allow_damage = true;
@@ -36,7 +37,9 @@ void visit_frames(const std::filesystem::path& path, std::int64_t wanted, const 
     const auto stride = std::max<std::int64_t>(1, count / wanted);
     TimedFrame frame;
     for (std::int64_t i = 0; source->read(frame); ++i)
-        if (i % stride == 0 && !visit(photo_of(frame, path.filename().string()), double(i) / double(std::max<std::int64_t>(count, 1)))) return;
+        if (i % stride == 0 &&
+            !visit(photo_of(frame, path.filename().string()), double(i) / double(std::max<std::int64_t>(count, 1))))
+            return;
 }
 
 std::vector<Photo> first_photos(const std::vector<std::filesystem::path>& paths, std::size_t count) {
@@ -71,7 +74,8 @@ BoardPicture look_at(const Photo& photo, const Board& board, const BoardSearch& 
     out.view = *view;
     out.state = view->is_blurred() ? PictureState::blurred : PictureState::used;
     if (view->is_blurred())
-        out.reason = "blurred: edges are " + rounded(view->edge_width) + " pixels wide, squares " + rounded(view->separation);
+        out.reason =
+            "blurred: edges are " + rounded(view->edge_width) + " pixels wide, squares " + rounded(view->separation);
     return out;
 }
 
@@ -79,10 +83,10 @@ BoardPicture look_at(const Photo& photo, const Board& board, const BoardSearch& 
     const bool squares = board.columns == other.columns + 1 && board.rows == other.rows + 1;
     const bool turned = (other.columns + other.rows) % 2 == 0;
     throw InputError({"--board", "the pictures show a " + other.text() + ", not a " + board.text(),
-                      "seen in " + std::to_string(votes) + " of the first " + std::to_string(tried) + " pictures" +
-                          (squares ? "; corners where four squares meet are counted, not squares" : ""),
-                      turned ? "take another board: this one looks the same turned by 180 degrees"
-                             : "write --board " + std::to_string(other.columns) + "x" + std::to_string(other.rows)});
+        "seen in " + std::to_string(votes) + " of the first " + std::to_string(tried) + " pictures" +
+            (squares ? "; corners where four squares meet are counted, not squares" : ""),
+        turned ? "take another board: this one looks the same turned by 180 degrees"
+               : "write --board " + std::to_string(other.columns) + "x" + std::to_string(other.rows)});
 }
 
 // Checks that the board of most of the first pictures has the size given. Searches for a wrong one would take minutes.
@@ -113,7 +117,7 @@ double motion(const BoardView& a, const BoardView& b) {
 
 // Frames in which the board is seen elsewhere than in those before, and which of two at one place is the sharper.
 void add_video(const std::filesystem::path& path, const Board& board, const BoardPicturesOptions& options,
-               const std::function<void(double)>& progress, std::vector<BoardPicture>& out) {
+    const std::function<void(double)>& progress, std::vector<BoardPicture>& out) {
     const std::size_t first = out.size();
     std::size_t seen = 0, looked = 0;
     visit_frames(path, frames_looked_at, [&](const Photo& photo, double fraction) {
@@ -138,8 +142,8 @@ void add_video(const std::filesystem::path& path, const Board& board, const Boar
 
 } // namespace
 
-std::vector<BoardPicture> find_boards(const std::vector<std::filesystem::path>& paths, const Board& board,
-                                      const BoardPicturesOptions& options) {
+std::vector<BoardPicture> find_boards(
+    const std::vector<std::filesystem::path>& paths, const Board& board, const BoardPicturesOptions& options) {
     check_size(paths, board);
     std::vector<BoardPicture> out;
     for (std::size_t k = 0; k < paths.size(); ++k) {

@@ -32,8 +32,7 @@ void check_sizes(const std::vector<BoardPicture>& pictures) {
     for (const auto& picture : pictures)
         if (picture.width > 0) sizes[{picture.width, picture.height}].push_back(picture.name);
     if (sizes.size() < 2) return;
-    const auto most =
-        std::ranges::max_element(sizes, {}, [](const auto& entry) { return entry.second.size(); });
+    const auto most = std::ranges::max_element(sizes, {}, [](const auto& entry) { return entry.second.size(); });
     std::vector<Diagnostic> problems;
     const auto text = [](const std::pair<int, int>& size) {
         return std::to_string(size.first) + " x " + std::to_string(size.second) + " pixels";
@@ -43,9 +42,8 @@ void check_sizes(const std::vector<BoardPicture>& pictures) {
         const bool turned = size.first == most->first.second && size.second == most->first.first;
         for (const auto& name : names)
             problems.push_back({name, "has " + text(size) + ", others have " + text(most->first),
-                                turned ? "it is turned by a quarter"
-                                       : "a lens is calibrated for one size of picture and one zoom",
-                                "leave it out, or calibrate each size by itself"});
+                turned ? "it is turned by a quarter" : "a lens is calibrated for one size of picture and one zoom",
+                "leave it out, or calibrate each size by itself"});
     }
     throw InputError(problems);
 }
@@ -53,11 +51,11 @@ void check_sizes(const std::vector<BoardPicture>& pictures) {
 void check_count(const std::vector<BoardPicture>& pictures, const Board& board) {
     const auto found = std::ranges::count_if(pictures, [](const auto& p) { return p.state == PictureState::used; });
     if (std::size_t(found) >= least_pictures) return;
-    std::vector<Diagnostic> problems{
-        {"", "the board was found in " + std::to_string(found) + " of " + std::to_string(pictures.size()) +
-                 (pictures.size() == 1 ? " picture" : " pictures") + ": a " + board.text(),
-         "at least " + std::to_string(least_pictures) + " are needed, from unlike directions",
-         "10 to 20 sharp pictures in which the whole board is seen, with a white rim around it, are usual"}};
+    std::vector<Diagnostic> problems{{"",
+        "the board was found in " + std::to_string(found) + " of " + std::to_string(pictures.size()) +
+            (pictures.size() == 1 ? " picture" : " pictures") + ": a " + board.text(),
+        "at least " + std::to_string(least_pictures) + " are needed, from unlike directions",
+        "10 to 20 sharp pictures in which the whole board is seen, with a white rim around it, are usual"}};
     for (const auto& picture : pictures)
         if (picture.state != PictureState::used && problems.size() < 11)
             problems.push_back({picture.name, picture.reason, "", ""});
@@ -66,14 +64,10 @@ void check_count(const std::vector<BoardPicture>& pictures, const Board& board) 
 
 int flags_of(const CalibrationOptions& options) {
     switch (options.coefficients) {
-    case 0:
-        return cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST;
-    case 4:
-        return cv::CALIB_FIX_K3;
-    case 8:
-        return cv::CALIB_RATIONAL_MODEL;
-    default:
-        return 0;
+    case 0: return cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST;
+    case 4: return cv::CALIB_FIX_K3;
+    case 8: return cv::CALIB_RATIONAL_MODEL;
+    default: return 0;
     }
 }
 
@@ -105,8 +99,7 @@ void fit(Calibration& calibration) {
     std::vector<cv::Mat> turns, shifts;
     const cv::TermCriteria stop(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 200, 1e-12);
     cv::calibrateCamera(std::vector<std::vector<cv::Point3f>>(used.size(), object), seen,
-                        {used[0]->width, used[0]->height}, matrix, distortion, turns, shifts,
-                        flags_of(calibration.options), stop);
+        {used[0]->width, used[0]->height}, matrix, distortion, turns, shifts, flags_of(calibration.options), stop);
     calibration.lens = lens_of(matrix, distortion, used[0]->width, used[0]->height);
     for (std::size_t i = 0; i < used.size(); ++i) {
         used[i]->pose = pose_of(turns[i], shifts[i]);
@@ -127,7 +120,8 @@ void fit_unbiased(Calibration& calibration) {
     for (const auto* picture : used) seen.push_back(picture->view.points);
     for (int round = 0; round < bias_rounds; ++round) {
         for (std::size_t k = 0; k < used.size(); ++k) {
-            const auto bias = circle_bias(unchecked_camera(calibration.lens, used[k]->pose), centres, used[k]->view.diameter);
+            const auto bias =
+                circle_bias(unchecked_camera(calibration.lens, used[k]->pose), centres, used[k]->view.diameter);
             for (std::size_t i = 0; i < centres.size(); ++i)
                 for (std::size_t c = 0; c < 2; ++c) used[k]->view.points[i][c] = seen[k][i][c] - bias[i][c];
         }
@@ -158,12 +152,13 @@ std::string rounded(double value, int decimals) {
 void warn(Calibration& calibration) {
     auto& warnings = calibration.warnings;
     if (calibration.rms > 1)
-        warnings.push_back("the error of " + rounded(calibration.rms, 2) +
-                           " pixels is above 1: the board may not be flat, or its size of squares or the focus changed");
+        warnings.push_back(
+            "the error of " + rounded(calibration.rms, 2) +
+            " pixels is above 1: the board may not be flat, or its size of squares or the focus changed");
     const auto coverage = coverage_of(calibration);
     if (coverage.covered() < 0.6 || coverage.corners() < 4)
-        warnings.push_back("the board was seen in " + rounded(100 * coverage.covered(), 0) + " % of the picture and in " +
-                           std::to_string(coverage.corners()) +
+        warnings.push_back("the board was seen in " + rounded(100 * coverage.covered(), 0) +
+                           " % of the picture and in " + std::to_string(coverage.corners()) +
                            " of its 4 corners: the distortion elsewhere is a guess; add pictures with the board there");
     const double rays = ray_deviation(calibration);
     if (rays > 1)
@@ -176,8 +171,8 @@ void warn(Calibration& calibration) {
 } // namespace
 
 const std::array<std::string, intrinsic_count>& intrinsic_names() {
-    static const std::array<std::string, intrinsic_count> names{"fx", "fy", "cx", "cy", "k1", "k2",
-                                                                "p1", "p2", "k3", "k4", "k5", "k6"};
+    static const std::array<std::string, intrinsic_count> names{
+        "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
     return names;
 }
 

@@ -29,17 +29,18 @@ enum class PictureState { used, outlier, unreadable, no_board, blurred };
 struct BoardPicture {
     std::string name;
     PictureState state = PictureState::no_board;
-    std::string reason;       // of what is not used
+    std::string reason;        // of what is not used
     int width = 0, height = 0; // [pixels]
     BoardView view;
-    scene::CameraPose pose; // board to camera; of pictures that are used or outliers
+    scene::CameraPose pose;      // board to camera; of pictures that are used or outliers
     double rms = 0, largest = 0; // [pixels] distances between points and their projections
 };
 
 // Model of the lens, and the rule for outliers.
 struct CalibrationOptions {
-    int coefficients = 5;        // of the distortion: 0, 4 (k1 k2 p1 p2), 5 (and k3) or 8 (and k4 k5 k6)
-    double outlier_factor = 3;   // a picture whose rms exceeds the median by this factor and `outlier_floor` is an outlier
+    int coefficients = 5; // of the distortion: 0, 4 (k1 k2 p1 p2), 5 (and k3) or 8 (and k4 k5 k6)
+    double outlier_factor =
+        3; // a picture whose rms exceeds the median by this factor and `outlier_floor` is an outlier
     double outlier_floor = 0.25; // [pixels]
 };
 
@@ -73,8 +74,8 @@ Calibration calibrate(const Board& board, const CalibrationOptions& options, std
 struct Coverage {
     static constexpr int parts = 8;
     std::array<std::array<int, parts>, parts> points{}; // [row][column]
-    double covered() const; // fraction of the parts
-    int corners() const;    // of the four quarters of the rim: outermost 2 x 2 parts with a point
+    double covered() const;                             // fraction of the parts
+    int corners() const; // of the four quarters of the rim: outermost 2 x 2 parts with a point
 };
 Coverage coverage_of(const Calibration& calibration);
 

@@ -24,19 +24,20 @@ struct Linearised {
 };
 
 Linearised linearise(const scene::Lens& lens, const scene::CameraPose& pose, const std::vector<Vec3>& points,
-                     const std::vector<scene::Vec2>& pixels) {
+    const std::vector<scene::Vec2>& pixels) {
     std::vector<cv::Point3d> object;
     for (const auto& p : points) object.emplace_back(p[0], p[1], p[2]);
     std::vector<cv::Point2d> seen;
     cv::Mat jacobian;
-    cv::projectPoints(object, rotation_of(pose), shift_of(pose), camera_matrix(lens), distortion_vector(lens), seen, jacobian);
+    cv::projectPoints(
+        object, rotation_of(pose), shift_of(pose), camera_matrix(lens), distortion_vector(lens), seen, jacobian);
     cv::Mat residual(int(2 * points.size()), 1, CV_64F);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         residual.at<double>(int(2 * i)) = pixels[i][0] - seen[i].x;
         residual.at<double>(int(2 * i + 1)) = pixels[i][1] - seen[i].y;
     }
-    return {jacobian.colRange(0, pose_parameters), jacobian.colRange(pose_parameters, pose_parameters + int(intrinsic_count)),
-            residual};
+    return {jacobian.colRange(0, pose_parameters),
+        jacobian.colRange(pose_parameters, pose_parameters + int(intrinsic_count)), residual};
 }
 
 // Addition of a picture to the normal equations of the lens when its pose is eliminated (Schur complement).
@@ -49,7 +50,7 @@ struct Reduced {
 struct Normal {
     std::vector<int> fitted;
     std::vector<Reduced> pictures;
-    cv::Mat matrix; // sum, [p][p]
+    cv::Mat matrix;      // sum, [p][p]
     double variance = 0; // of one coordinate of a point, if all were independent
 };
 
@@ -68,8 +69,8 @@ Normal reduce(const Calibration& calibration) {
         const cv::Mat pose = (linear.pose.t() * linear.pose).inv(cv::DECOMP_SVD);
         const cv::Mat across = lens.t() * linear.pose;
         Reduced reduced{lens.t() * lens - across * pose * across.t(),
-                        lens.t() * linear.residual - across * pose * (linear.pose.t() * linear.residual),
-                        linear.residual.dot(linear.residual), linear.residual.rows};
+            lens.t() * linear.residual - across * pose * (linear.pose.t() * linear.residual),
+            linear.residual.dot(linear.residual), linear.residual.rows};
         out.matrix += reduced.matrix;
         squares += reduced.squares;
         freedom += reduced.equations - pose_parameters;
@@ -133,8 +134,7 @@ double ray_deviation(const Calibration& calibration) {
     const cv::Mat turn = linear.pose.colRange(0, 3);
     const cv::Mat moved = linear.lens - turn * ((turn.t() * turn).inv(cv::DECOMP_SVD) * (turn.t() * linear.lens));
     constexpr int all = static_cast<int>(intrinsic_count);
-    const cv::Mat covariance(all, all, CV_64F,
-                             const_cast<double*>(calibration.covariance.values.data()));
+    const cv::Mat covariance(all, all, CV_64F, const_cast<double*>(calibration.covariance.values.data()));
     double largest = 0;
     for (int k = 0; k < n * n; ++k) {
         const cv::Mat rows = moved.rowRange(2 * k, 2 * k + 2);

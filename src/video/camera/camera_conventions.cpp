@@ -17,8 +17,8 @@ namespace {
 
 constexpr double centimetre = 0.01;
 
-[[noreturn]] void refuse(const std::string& where, const std::string& problem, const std::string& reason,
-                         const std::string& cure) {
+[[noreturn]] void refuse(
+    const std::string& where, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({where, problem, reason, cure});
 }
 
@@ -30,19 +30,23 @@ std::string attribute(const std::string& content, const std::string& name) {
     return content.substr(begin, content.find('"', begin) - begin);
 }
 
-std::vector<double> numbers(const std::string& where, const std::string& content, const std::string& name,
-                            std::size_t count) {
+std::vector<double> numbers(
+    const std::string& where, const std::string& content, const std::string& name, std::size_t count) {
     std::istringstream text(attribute(content, name));
     std::vector<double> out;
     std::string word;
     while (text >> word) {
         const auto value = read_number(word);
-        if (!value || !std::isfinite(*value)) refuse(where, name + "=\"" + attribute(content, name) + "\" has no number " + word, "", "");
+        if (!value || !std::isfinite(*value))
+            refuse(where, name + "=\"" + attribute(content, name) + "\" has no number " + word, "", "");
         out.push_back(*value);
     }
     if (out.size() != count)
-        refuse(where, "attribute " + name + " of <camera> has " + std::to_string(out.size()) + " numbers, not " + std::to_string(count),
-               "", "write for instance eyepos=\"9.8 13.7 26.9\" quat=\"0.97 -0.26 0 0\" window_size=\"960 540\" fov=\"36.2\"");
+        refuse(where,
+            "attribute " + name + " of <camera> has " + std::to_string(out.size()) + " numbers, not " +
+                std::to_string(count),
+            "",
+            "write for instance eyepos=\"9.8 13.7 26.9\" quat=\"0.97 -0.26 0 0\" window_size=\"960 540\" fov=\"36.2\"");
     return out;
 }
 
@@ -55,10 +59,9 @@ struct ColmapModel {
 };
 
 const std::vector<ColmapModel>& colmap_models() {
-    static const std::vector<ColmapModel> models{
-        {"SIMPLE_PINHOLE", 3, true, {}},           {"PINHOLE", 4, false, {}},
-        {"SIMPLE_RADIAL", 4, true, {0}},           {"RADIAL", 5, true, {0, 1}},
-        {"OPENCV", 8, false, {0, 1, 2, 3}},        {"FULL_OPENCV", 12, false, {0, 1, 2, 3, 4, 5, 6, 7}}};
+    static const std::vector<ColmapModel> models{{"SIMPLE_PINHOLE", 3, true, {}}, {"PINHOLE", 4, false, {}},
+        {"SIMPLE_RADIAL", 4, true, {0}}, {"RADIAL", 5, true, {0, 1}}, {"OPENCV", 8, false, {0, 1, 2, 3}},
+        {"FULL_OPENCV", 12, false, {0, 1, 2, 3, 4, 5, 6, 7}}};
     return models;
 }
 
@@ -81,8 +84,9 @@ scene::Lens colmap_lens(std::istringstream& words, const std::string& where) {
     for (const auto& model : colmap_models()) {
         if (name != model.name) continue;
         if (values.size() != model.parameters)
-            refuse(where, name + " has " + std::to_string(values.size()) + " parameters, not " + std::to_string(model.parameters),
-                   "", "export the model anew with colmap model_converter --output_type TXT");
+            refuse(where,
+                name + " has " + std::to_string(values.size()) + " parameters, not " + std::to_string(model.parameters),
+                "", "export the model anew with colmap model_converter --output_type TXT");
         std::size_t next = 0;
         lens.fx = values[next++];
         lens.fy = model.one_focal_length ? lens.fx : values[next++];
@@ -94,12 +98,14 @@ scene::Lens colmap_lens(std::istringstream& words, const std::string& where) {
     std::vector<std::string> known;
     for (const auto& model : colmap_models()) known.emplace_back(model.name);
     refuse(where, "camera model " + name + " is not known", "known are " + join(known, ", "),
-           "reconstruct with --ImageReader.camera_model OPENCV");
+        "reconstruct with --ImageReader.camera_model OPENCV");
 }
 
 std::ifstream open(const fs::path& path, const std::string& reason) {
     std::ifstream file(path);
-    if (!file) refuse(path.string(), "cannot be read", reason, "export the model with colmap model_converter --output_type TXT");
+    if (!file)
+        refuse(
+            path.string(), "cannot be read", reason, "export the model with colmap model_converter --output_type TXT");
     return file;
 }
 
@@ -109,14 +115,14 @@ scene::Matrix3 matrix_of(const std::array<double, 4>& q) {
     const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     const double w = q[0] / n, x = q[1] / n, y = q[2] / n, z = q[3] / n;
     return {Vec3{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-            Vec3{2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-            Vec3{2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+        Vec3{2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+        Vec3{2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
 }
 
 scene::Lens lens_of(const OpenGlCamera& camera) {
     const double f = 0.5 * camera.height / std::tan(0.5 * camera.vertical_field_of_view);
     return {camera.width, camera.height, f, f, 0.5 * camera.width - scene::pixel_corner_offset,
-            0.5 * camera.height - scene::pixel_corner_offset, {}};
+        0.5 * camera.height - scene::pixel_corner_offset, {}};
 }
 
 scene::CameraPose pose_of(const OpenGlCamera& camera) {
@@ -141,7 +147,8 @@ std::vector<CameraRecord> read_virheometry(const fs::path& path, const std::stri
     for (std::size_t i = 0; i < 4; ++i) camera.quaternion[i] = q[i];
     camera.width = int(size[0]);
     camera.height = int(size[1]);
-    if (!(angle[0] > 0 && angle[0] < 180)) refuse(where, "fov=\"" + format_number(angle[0]) + "\": must be between 0 and 180 degrees", "", "");
+    if (!(angle[0] > 0 && angle[0] < 180))
+        refuse(where, "fov=\"" + format_number(angle[0]) + "\": must be between 0 and 180 degrees", "", "");
     camera.vertical_field_of_view = angle[0] * std::numbers::pi / 180;
     CameraRecord record;
     record.name = "main";
@@ -181,8 +188,12 @@ std::vector<CameraRecord> read_colmap(const fs::path& path) {
         CameraRecord record;
         words >> image >> q[0] >> q[1] >> q[2] >> q[3] >> t[0] >> t[1] >> t[2] >> camera;
         std::getline(words >> std::ws, record.name);
-        if (!words) refuse(where, "is no image of a COLMAP model", "", "a line holds IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
-        if (!lenses.contains(camera)) refuse(where, "camera " + std::to_string(camera) + " does not stand in cameras.txt", "", "export both files together");
+        if (!words)
+            refuse(where, "is no image of a COLMAP model", "",
+                "a line holds IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
+        if (!lenses.contains(camera))
+            refuse(where, "camera " + std::to_string(camera) + " does not stand in cameras.txt", "",
+                "export both files together");
         record.lens = lenses[camera];
         record.pose = scene::CameraPose{matrix_of(q), t};
         record.where = where;
@@ -190,7 +201,8 @@ std::vector<CameraRecord> read_colmap(const fs::path& path) {
         std::getline(list, line); // its points, possibly none
         ++number;
     }
-    if (out.empty()) refuse(images.string(), "holds no image", "", "export a reconstruction that has registered images");
+    if (out.empty())
+        refuse(images.string(), "holds no image", "", "export a reconstruction that has registered images");
     return out;
 }
 

@@ -21,8 +21,8 @@ struct CameraRecord {
     std::optional<scene::CameraPose> pose; // in the scene's axes
     std::optional<IntrinsicCovariance> covariance;
     std::optional<PoseCovariance> pose_covariance;
-    double rms = 0; // [pixels] of the calibration; 0: not stated
-    std::string where; // "camera.yaml, camera left"
+    double rms = 0;        // [pixels] of the calibration; 0: not stated
+    std::string where;     // "camera.yaml, camera left"
     bool any_size = false; // stated by its angle of view: holds for pictures of any size and this shape
 
     // InputError without a pose.

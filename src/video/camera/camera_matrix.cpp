@@ -19,7 +19,7 @@ cv::Mat distortion_vector(const scene::Lens& lens) {
 
 scene::Lens lens_of(const cv::Mat& matrix, const cv::Mat& distortion, int width, int height) {
     scene::Lens lens{width, height, matrix.at<double>(0, 0), matrix.at<double>(1, 1), matrix.at<double>(0, 2),
-                     matrix.at<double>(1, 2), {}};
+        matrix.at<double>(1, 2), {}};
     for (std::size_t i = 0; i < lens.distortion.size() && i < distortion.total(); ++i)
         lens.distortion[i] = distortion.at<double>(int(i));
     return lens;
@@ -43,8 +43,8 @@ scene::CameraModel unchecked_camera(const scene::Lens& lens, const scene::Camera
     return {"", lens, pose, scene::Folds::allow};
 }
 
-scene::CameraPose pose_from_points(const scene::Lens& lens, const std::vector<Vec3>& points,
-                                   const std::vector<scene::Vec2>& pixels) {
+scene::CameraPose pose_from_points(
+    const scene::Lens& lens, const std::vector<Vec3>& points, const std::vector<scene::Vec2>& pixels) {
     std::vector<cv::Point3d> object;
     std::vector<cv::Point2d> image;
     for (const auto& p : points) object.emplace_back(p[0], p[1], p[2]);
@@ -56,8 +56,8 @@ scene::CameraPose pose_from_points(const scene::Lens& lens, const std::vector<Ve
     for (const int method : {cv::SOLVEPNP_SQPNP, cv::SOLVEPNP_EPNP, cv::SOLVEPNP_ITERATIVE, cv::SOLVEPNP_IPPE}) {
         std::vector<cv::Mat> turns, shifts;
         try {
-            cv::solvePnPGeneric(object, image, matrix, distortion, turns, shifts, false,
-                                static_cast<cv::SolvePnPMethod>(method));
+            cv::solvePnPGeneric(
+                object, image, matrix, distortion, turns, shifts, false, static_cast<cv::SolvePnPMethod>(method));
         } catch (const cv::Exception&) {
             continue;
         }
@@ -81,8 +81,8 @@ scene::CameraPose pose_from_points(const scene::Lens& lens, const std::vector<Ve
     }
     if (!std::isfinite(best))
         throw InputError({"", "no pose of the camera projects the points to their pixels",
-                          "all poses found have points behind the camera",
-                          "look for points that were mixed up, and for lengths in another unit"});
+            "all poses found have points behind the camera",
+            "look for points that were mixed up, and for lengths in another unit"});
     return pose_of(turn, shift);
 }
 

@@ -7,8 +7,8 @@
 
 namespace treacle::video {
 
-cv::Mat camera_matrix(const scene::Lens& lens);         // [3][3]
-cv::Mat distortion_vector(const scene::Lens& lens);     // [8]
+cv::Mat camera_matrix(const scene::Lens& lens);     // [3][3]
+cv::Mat distortion_vector(const scene::Lens& lens); // [8]
 // From a 3 x 3 matrix and 0, 4, 5 or 8 coefficients.
 scene::Lens lens_of(const cv::Mat& matrix, const cv::Mat& distortion, int width, int height);
 
@@ -22,7 +22,7 @@ scene::CameraModel unchecked_camera(const scene::Lens& lens, const scene::Camera
 
 // Pose that projects points [m] to pixels with the least squares of distances: cv::solvePnP, refined by
 // Levenberg-Marquardt. InputError when there is none in front of the camera.
-scene::CameraPose pose_from_points(const scene::Lens& lens, const std::vector<Vec3>& points,
-                                   const std::vector<scene::Vec2>& pixels);
+scene::CameraPose pose_from_points(
+    const scene::Lens& lens, const std::vector<Vec3>& points, const std::vector<scene::Vec2>& pixels);
 
 } // namespace treacle::video

@@ -9,11 +9,12 @@
 namespace treacle::video {
 
 namespace {
-constexpr int corners = 64;  // of the polygon that stands for a circle's image
-constexpr int rounds = 3;    // of pose and bias: each leaves some hundredth of the bias
+constexpr int corners = 64; // of the polygon that stands for a circle's image
+constexpr int rounds = 3;   // of pose and bias: each leaves some hundredth of the bias
 } // namespace
 
-std::vector<scene::Vec2> circle_bias(const scene::CameraModel& camera, const std::vector<Vec3>& centres, double diameter) {
+std::vector<scene::Vec2> circle_bias(
+    const scene::CameraModel& camera, const std::vector<Vec3>& centres, double diameter) {
     std::vector<scene::Vec2> out;
     for (const auto& centre : centres) {
         const auto middle = camera.project(centre);
@@ -21,7 +22,8 @@ std::vector<scene::Vec2> circle_bias(const scene::CameraModel& camera, const std
         scene::Vec2 last{0, 0};
         for (int k = 0; k <= corners; ++k) {
             const double angle = 2 * std::numbers::pi * k / corners;
-            const auto rim = camera.project({centre[0] + 0.5 * diameter * std::cos(angle), centre[1] + 0.5 * diameter * std::sin(angle), centre[2]});
+            const auto rim = camera.project({centre[0] + 0.5 * diameter * std::cos(angle),
+                centre[1] + 0.5 * diameter * std::sin(angle), centre[2]});
             const scene::Vec2 now{rim.x - middle.x, rim.y - middle.y};
             if (k > 0) {
                 const double turn = last[0] * now[1] - last[1] * now[0];
@@ -42,7 +44,8 @@ std::vector<scene::Vec2> unbiased_points(const scene::Lens& lens, const Board& b
     for (int round = 0; board.kind != BoardKind::chessboard && round < rounds; ++round) {
         const auto pose = pose_from_points(lens, centres, points);
         const auto bias = circle_bias(unchecked_camera(lens, pose), centres, view.diameter);
-        for (std::size_t i = 0; i < points.size(); ++i) points[i] = {view.points[i][0] - bias[i][0], view.points[i][1] - bias[i][1]};
+        for (std::size_t i = 0; i < points.size(); ++i)
+            points[i] = {view.points[i][0] - bias[i][0], view.points[i][1] - bias[i][1]};
     }
     return points;
 }

@@ -18,7 +18,8 @@ struct Scale {
     double factor;
     cv::Point operator()(const scene::Vec2& p) const {
         constexpr int fraction = 16; // cv::line's shift of 4 bits
-        return {int(std::lround(((p[0] + 0.5) * factor - 0.5) * fraction)), int(std::lround(((p[1] + 0.5) * factor - 0.5) * fraction))};
+        return {int(std::lround(((p[0] + 0.5) * factor - 0.5) * fraction)),
+            int(std::lround(((p[1] + 0.5) * factor - 0.5) * fraction))};
     }
 };
 constexpr int shift = 4;
@@ -35,12 +36,14 @@ void shade_empty(cv::Mat& picture, const Coverage& coverage) {
         for (int column = 0; column < Coverage::parts; ++column) {
             if (coverage.points[std::size_t(row)][std::size_t(column)] > 0) continue;
             const auto at = [](int k, int side) { return k * side / Coverage::parts; };
-            const cv::Point from(at(column, picture.cols), at(row, picture.rows)), to(at(column + 1, picture.cols), at(row + 1, picture.rows));
+            const cv::Point from(at(column, picture.cols), at(row, picture.rows)),
+                to(at(column + 1, picture.cols), at(row + 1, picture.rows));
             cv::rectangle(picture, cv::Rect(from, to), {215, 215, 250}, cv::FILLED);
         }
 }
 
-void draw_board(cv::Mat& picture, const BoardPicture& board, const Board& size, const Scale& scale, const cv::Scalar& colour) {
+void draw_board(
+    cv::Mat& picture, const BoardPicture& board, const Board& size, const Scale& scale, const cv::Scalar& colour) {
     const auto& p = board.view.points;
     const std::size_t w = std::size_t(size.columns), n = p.size();
     const std::array<std::size_t, 4> rim{0, w - 1, n - 1, n - w};
@@ -69,14 +72,16 @@ Image draw_coverage(const Calibration& calibration) {
     cv::setNumThreads(1);
     const auto& lens = calibration.lens;
     const Scale scale{std::max(1.0, std::ceil(double(smallest_width) / lens.width))};
-    cv::Mat picture(int(scale.factor * lens.height), int(scale.factor * lens.width), CV_8UC3, cv::Scalar(255, 255, 255));
+    cv::Mat picture(
+        int(scale.factor * lens.height), int(scale.factor * lens.width), CV_8UC3, cv::Scalar(255, 255, 255));
     shade_empty(picture, coverage_of(calibration));
     draw_distortion(picture, lens, scale);
     const auto n = calibration.pictures.size();
     for (std::size_t i = 0; i < n; ++i) {
         const auto& board = calibration.pictures[i];
         if (board.state == PictureState::used || board.state == PictureState::outlier)
-            draw_board(picture, board, calibration.board, scale, board.state == PictureState::used ? colour_of(i, n) : cv::Scalar(0, 0, 0));
+            draw_board(picture, board, calibration.board, scale,
+                board.state == PictureState::used ? colour_of(i, n) : cv::Scalar(0, 0, 0));
     }
     return image_of(picture);
 }

@@ -23,7 +23,8 @@ std::vector<ScenePoint> read_scene_points(const std::filesystem::path& path) {
     for (std::size_t i = 0; i < out.size(); ++i) {
         out[i].deviation = deviations[i];
         if (deviations[i] < 0)
-            throw InputError({out[i].where, "s = " + format_number(deviations[i]) + ": must be > 0", "it is a standard deviation", "leave the column out if it is not known"});
+            throw InputError({out[i].where, "s = " + format_number(deviations[i]) + ": must be > 0",
+                "it is a standard deviation", "leave the column out if it is not known"});
     }
     return out;
 }

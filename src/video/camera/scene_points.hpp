@@ -9,10 +9,10 @@ namespace treacle::video {
 
 // A point of the scene whose pixel is known.
 struct ScenePoint {
-    Vec3 position{0, 0, 0};   // [m]
+    Vec3 position{0, 0, 0}; // [m]
     scene::Vec2 pixel{0, 0};
-    double deviation = 0;     // [pixels] standard deviation of each coordinate; 0: not stated
-    std::string where;        // "points.csv:3"
+    double deviation = 0; // [pixels] standard deviation of each coordinate; 0: not stated
+    std::string where;    // "points.csv:3"
 };
 
 // A table with a header: x, y, z, each with its unit in brackets, as in "x [cm]" (metres without one), u, v [pixels] and

@@ -34,14 +34,18 @@ void check(const std::filesystem::path& path, const ClipOptions& options) {
         throw InputError({path.string(), problem, "", cure});
     };
     if (options.width < 2 || options.height < 2 || options.width % 2 != 0 || options.height % 2 != 0)
-        refuse("a video of " + std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels: both must be even",
-               "1280 x 720 is usual");
+        refuse("a video of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
+                   " pixels: both must be even",
+            "1280 x 720 is usual");
     if (options.turned % 90 != 0 || options.turned < 0 || options.turned > 270)
         refuse("a video turned by " + std::to_string(options.turned) + " degrees", "0, 90, 180 and 270 can be stated");
     if (!(options.frames_per_second > 0)) refuse("a rate that is not > 0", "30 frames per second is usual");
     const auto ending = path.extension();
-    const bool fits = options.codec == ClipCodec::ffv1 ? ending == ".mkv" || ending == ".avi" : ending == ".mp4" || ending == ".mov";
-    if (!fits) refuse("the name's ending does not fit the codec", options.codec == ClipCodec::ffv1 ? "name it .mkv or .avi" : "name it .mp4");
+    const bool fits =
+        options.codec == ClipCodec::ffv1 ? ending == ".mkv" || ending == ".avi" : ending == ".mp4" || ending == ".mov";
+    if (!fits)
+        refuse("the name's ending does not fit the codec",
+            options.codec == ClipCodec::ffv1 ? "name it .mkv or .avi" : "name it .mp4");
 }
 
 // Clockwise.
@@ -69,7 +73,8 @@ struct ClipWriter::State {
 
     [[noreturn]] void fail(const std::string& problem, int code) const {
         const auto said = take_complaint();
-        throw SimulationError({path.string(), problem, said.empty() ? error_text(code) : said, "check disk and folder, or choose another codec"});
+        throw SimulationError({path.string(), problem, said.empty() ? error_text(code) : said,
+            "check disk and folder, or choose another codec"});
     }
     void require(int code, const std::string& problem) const {
         if (code < 0) fail(problem, code);
@@ -80,8 +85,9 @@ struct ClipWriter::State {
         take_complaint();
         const auto format = path.extension().string().substr(1);
         AVFormatContext* context = nullptr;
-        require(avformat_alloc_output_context2(&context, nullptr, format == "mkv" ? "matroska" : format.c_str(), temporary.c_str()),
-                "no such kind of video file");
+        require(avformat_alloc_output_context2(
+                    &context, nullptr, format == "mkv" ? "matroska" : format.c_str(), temporary.c_str()),
+            "no such kind of video file");
         output.reset(context);
         output->flags |= AVFMT_FLAG_BITEXACT;
         open_codec();
@@ -98,10 +104,13 @@ struct ClipWriter::State {
     }
 
     const AVCodec& find_codec() const {
-        const char* name = options.codec == ClipCodec::h264 ? "libx264" : options.codec == ClipCodec::h264_lossless ? "libx264rgb" : "ffv1";
+        const char* name = options.codec == ClipCodec::h264            ? "libx264"
+                           : options.codec == ClipCodec::h264_lossless ? "libx264rgb"
+                                                                       : "ffv1";
         const AVCodec* found = avcodec_find_encoder_by_name(name);
         if (found == nullptr)
-            throw SimulationError({path.string(), "no codec for this video", std::string("FFmpeg lacks ") + name, "install Debian's libavcodec59"});
+            throw SimulationError({path.string(), "no codec for this video", std::string("FFmpeg lacks ") + name,
+                "install Debian's libavcodec59"});
         return *found;
     }
 
@@ -111,9 +120,12 @@ struct ClipWriter::State {
         codec.reset(avcodec_alloc_context3(&encoder));
         codec->width = back ? options.height : options.width;
         codec->height = back ? options.width : options.height;
-        codec->pix_fmt = options.codec == ClipCodec::h264 ? (options.hybrid_log_gamma ? AV_PIX_FMT_YUV420P10LE : AV_PIX_FMT_YUV420P)
-                         : options.codec == ClipCodec::ffv1 ? AV_PIX_FMT_BGR0 : AV_PIX_FMT_RGB24;
-        codec->time_base = path.extension() == ".avi" ? av_inv_q(av_d2q(options.frames_per_second, 100000)) : AVRational{1, ticks_a_second};
+        codec->pix_fmt = options.codec == ClipCodec::h264
+                             ? (options.hybrid_log_gamma ? AV_PIX_FMT_YUV420P10LE : AV_PIX_FMT_YUV420P)
+                         : options.codec == ClipCodec::ffv1 ? AV_PIX_FMT_BGR0
+                                                            : AV_PIX_FMT_RGB24;
+        codec->time_base = path.extension() == ".avi" ? av_inv_q(av_d2q(options.frames_per_second, 100000))
+                                                      : AVRational{1, ticks_a_second};
         codec->framerate = av_d2q(options.frames_per_second, 100000);
         codec->sample_aspect_ratio = {options.pixel_width, options.pixel_height};
         codec->thread_count = 1;
@@ -125,8 +137,10 @@ struct ClipWriter::State {
         if (options.codec == ClipCodec::h264) state_colours();
         if (options.codec != ClipCodec::ffv1) {
             av_opt_set(codec->priv_data, "preset", "veryfast", 0);
-            if (options.codec == ClipCodec::h264) av_opt_set_double(codec->priv_data, "crf", options.quality, 0);
-            else av_opt_set(codec->priv_data, "qp", "0", 0);
+            if (options.codec == ClipCodec::h264)
+                av_opt_set_double(codec->priv_data, "crf", options.quality, 0);
+            else
+                av_opt_set(codec->priv_data, "qp", "0", 0);
         }
         require(avcodec_open2(codec.get(), &encoder, nullptr), "no codec for this video");
     }
@@ -146,7 +160,8 @@ struct ClipWriter::State {
         stream->sample_aspect_ratio = codec->sample_aspect_ratio;
         if (options.interlaced) stream->codecpar->field_order = AV_FIELD_TT;
         if (options.turned == 0) return;
-        auto* matrix = reinterpret_cast<std::int32_t*>(av_stream_new_side_data(stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t)));
+        auto* matrix = reinterpret_cast<std::int32_t*>(
+            av_stream_new_side_data(stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t)));
         const auto [a, b, c, d] = turn_by(options.turned);
         const std::array<std::int32_t, 9> values = {a << 16, b << 16, 0, c << 16, d << 16, 0, 0, 0, 1 << 30};
         std::ranges::copy(values, matrix);
@@ -158,8 +173,9 @@ struct ClipWriter::State {
         frame->width = codec->width;
         frame->height = codec->height;
         require(av_frame_get_buffer(frame.get(), 0), "out of memory");
-        scaler.reset(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGB24, codec->width, codec->height, codec->pix_fmt,
-                                    SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_BITEXACT, nullptr, nullptr, nullptr));
+        scaler.reset(sws_getContext(codec->width, codec->height, AV_PIX_FMT_RGB24, codec->width, codec->height,
+            codec->pix_fmt, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_BITEXACT,
+            nullptr, nullptr, nullptr));
         const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
         const int full = options.codec == ClipCodec::h264 ? 0 : 1;
         sws_setColorspaceDetails(scaler.get(), matrix, 1, matrix, full, 0, 1 << 16, 1 << 16);
@@ -168,7 +184,8 @@ struct ClipWriter::State {
     void add(const Image& image, double stamp) {
         const auto ticks = std::llround(stamp / av_q2d(codec->time_base));
         if (ticks <= last || !std::isfinite(stamp))
-            throw InputError({path.string(), "the time stamp " + format_number(stamp) + " s does not ascend", "", "give each frame a later one"});
+            throw InputError({path.string(), "the time stamp " + format_number(stamp) + " s does not ascend", "",
+                "give each frame a later one"});
         if (!frame) prepare_frame();
         require(av_frame_make_writable(frame.get()), "out of memory");
         const auto turned = turn(image, turn_by((360 - options.turned) % 360));
@@ -204,7 +221,8 @@ struct ClipWriter::State {
     }
 };
 
-ClipWriter::ClipWriter(const std::filesystem::path& path, const ClipOptions& options) : state_(std::make_unique<State>()) {
+ClipWriter::ClipWriter(const std::filesystem::path& path, const ClipOptions& options)
+    : state_(std::make_unique<State>()) {
     check(path, options);
     state_->path = path;
     state_->options = options;
@@ -224,7 +242,8 @@ ClipWriter::ClipWriter(ClipWriter&&) noexcept = default;
 
 void ClipWriter::add(const Image& image, double stamp) {
     if (image.width != state_->options.width || image.height != state_->options.height)
-        throw InputError({state_->path.string(), "a frame has another size than the video", "", "give frames of one size"});
+        throw InputError(
+            {state_->path.string(), "a frame has another size than the video", "", "give frames of one size"});
     state_->add(image, stamp);
 }
 

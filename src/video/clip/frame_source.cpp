@@ -27,7 +27,8 @@ Image turn(const Image& image, const Orientation& o) {
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const int column = o.a * x + o.c * y - left, row = o.b * x + o.d * y - top;
-            std::copy_n(image.at(x, y), 3, out.pixels.data() + 3 * (std::size_t(row) * std::size_t(out.width) + std::size_t(column)));
+            std::copy_n(image.at(x, y), 3,
+                out.pixels.data() + 3 * (std::size_t(row) * std::size_t(out.width) + std::size_t(column)));
         }
     }
     return out;
@@ -56,12 +57,13 @@ bool ClipInfo::variable_rate() const {
 namespace {
 TimeMap map_of(const SourceRequest& request, const ClipInfo& info) {
     if (!request.time_map.empty() && request.true_rate > 0)
-        throw InputError({"--time-map and --true-rate", "exclude each other", "both say when frames were shot", "give one"});
+        throw InputError(
+            {"--time-map and --true-rate", "exclude each other", "both say when frames were shot", "give one"});
     if (!request.time_map.empty()) return TimeMap::read(request.time_map);
     if (!(request.true_rate > 0)) return {};
     if (info.variable_rate())
         throw InputError({info.file, "has a variable rate: --true-rate does not fit",
-                          "a slow-motion file that a phone exports runs at normal speed at its ends", "give --time-map"});
+            "a slow-motion file that a phone exports runs at normal speed at its ends", "give --time-map"});
     return TimeMap::slowed(info.stamps.front(), info.rate(), request.true_rate);
 }
 
@@ -93,24 +95,32 @@ std::vector<Diagnostic> reasons_against(const ClipInfo& info) {
     std::vector<Diagnostic> found;
     if (info.fields == FieldOrder::interlaced)
         found.push_back({info.file, "is interlaced", "its odd and even rows are of different times",
-                         "film progressive, or convert it with `ffmpeg -i IN -vf bwdif=mode=send_field -c:v libx264 -crf 12 OUT.mp4`"});
+            "film progressive, or convert it with `ffmpeg -i IN -vf bwdif=mode=send_field -c:v libx264 -crf 12 "
+            "OUT.mp4`"});
     if (info.transfer == Transfer::pq || info.transfer == Transfer::hlg)
-        found.push_back({info.file, std::string("is HDR video (") + (info.transfer == Transfer::pq ? "PQ" : "HLG") + ", " + std::to_string(info.bits) + " bit)",
-                         "its levels are not those of a standard picture",
-                         "film with HDR off, or convert it with `ffmpeg -i IN -vf zscale=t=linear:npl=100,zscale=t=bt709:m=bt709:r=tv,format=yuv420p OUT.mp4`"});
+        found.push_back({info.file,
+            std::string("is HDR video (") + (info.transfer == Transfer::pq ? "PQ" : "HLG") + ", " +
+                std::to_string(info.bits) + " bit)",
+            "its levels are not those of a standard picture",
+            "film with HDR off, or convert it with `ffmpeg -i IN -vf "
+            "zscale=t=linear:npl=100,zscale=t=bt709:m=bt709:r=tv,format=yuv420p OUT.mp4`"});
     if (std::abs(info.pixel_aspect - 1) > 1e-3)
-        found.push_back({info.file, "has pixels that are not square (" + format_number(std::round(1e4 * info.pixel_aspect) / 1e4) + " wide to 1 high)",
-                         "a camera calibrated on square ones would not fit",
-                         "convert it with `ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 OUT.mp4`"});
+        found.push_back({info.file,
+            "has pixels that are not square (" + format_number(std::round(1e4 * info.pixel_aspect) / 1e4) +
+                " wide to 1 high)",
+            "a camera calibrated on square ones would not fit",
+            "convert it with `ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 OUT.mp4`"});
     if (info.orientation.mirrored())
-        found.push_back({info.file, "is mirrored by its display matrix", "front cameras do so", "film with the back camera, or convert it with `ffmpeg -i IN OUT`"});
+        found.push_back({info.file, "is mirrored by its display matrix", "front cameras do so",
+            "film with the back camera, or convert it with `ffmpeg -i IN OUT`"});
     return found;
 }
 
 std::unique_ptr<FrameSource> open_any_frames(const SourceRequest& request) {
     const auto& clip = request.clip;
     if (names_pictures(clip)) return std::make_unique<MappedSource>(open_pictures(request), request);
-    if (!std::filesystem::exists(clip)) throw InputError({clip.string(), "there is no such file", "", "check its name"});
+    if (!std::filesystem::exists(clip))
+        throw InputError({clip.string(), "there is no such file", "", "check its name"});
     if (is_heif(clip)) throw heif_refused(clip);
     return std::make_unique<MappedSource>(open_video_file(request), request);
 }

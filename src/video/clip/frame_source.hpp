@@ -43,13 +43,13 @@ struct ClipInfo {
     int bits = 8;              // a colour
     Transfer transfer = Transfer::unknown;
     FieldOrder fields = FieldOrder::unknown;
-    double pixel_aspect = 1;      // width over height of a pixel
-    std::vector<double> stamps;   // of all frames, ascending [s]
-    std::vector<double> times;    // after the true rate or the time map [s]
-    double tick = 0;              // resolution of the stamps [s]; 0: unknown
-    std::string damage;           // what is wrong with the file's end; empty if nothing
+    double pixel_aspect = 1;    // width over height of a pixel
+    std::vector<double> stamps; // of all frames, ascending [s]
+    std::vector<double> times;  // after the true rate or the time map [s]
+    double tick = 0;            // resolution of the stamps [s]; 0: unknown
+    std::string damage;         // what is wrong with the file's end; empty if nothing
 
-    double rate() const;          // mean frames per second, 0 for fewer than two frames
+    double rate() const;            // mean frames per second, 0 for fewer than two frames
     double median_interval() const; // [s]
     // True when intervals differ by more than 1 % and one tick.
     bool variable_rate() const;
@@ -58,12 +58,12 @@ struct ClipInfo {
 // A clip, the times of its frames, and the faults that are let pass by open_frames. true_rate and time_map exclude each
 // other.
 struct SourceRequest {
-    std::filesystem::path clip; // a video, a folder, or a pattern: *.png, frame_%04d.png
-    double rate = 0;            // frames per second of pictures
+    std::filesystem::path clip;  // a video, a folder, or a pattern: *.png, frame_%04d.png
+    double rate = 0;             // frames per second of pictures
     std::filesystem::path times; // CSV with a column time, one row a picture, in place of a rate
-    double true_rate = 0;       // frames per second at which a slow-motion file was shot
-    std::string time_map;       // see TimeMap::read
-    bool allow_damage = false;  // a clip that is cut off counts up to its last whole frame
+    double true_rate = 0;        // frames per second at which a slow-motion file was shot
+    std::string time_map;        // see TimeMap::read
+    bool allow_damage = false;   // a clip that is cut off counts up to its last whole frame
 };
 
 // Frames one after the other, in the order of display. Neither copied nor shared.

@@ -31,12 +31,11 @@ void check(const MovieOptions& options) {
         throw InputError({"movie", problem, "", cure});
     };
     if (!(options.frames_per_second > 0) || !std::isfinite(options.frames_per_second))
-        refuse("frames per second = " + format_number(options.frames_per_second) + ": must be > 0",
-               "30 is usual");
+        refuse("frames per second = " + format_number(options.frames_per_second) + ": must be > 0", "30 is usual");
     if (options.width < 2 || options.height < 2 || options.width % 2 != 0 || options.height % 2 != 0)
         refuse("size of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
                    " pixels: both must be even",
-               "1280 x 720 is usual");
+            "1280 x 720 is usual");
 }
 
 // Codecs fail in the same way for a bad folder as for a missing library, so the folder is tested first.
@@ -44,15 +43,14 @@ void check_folder(const std::filesystem::path& temporary) {
     std::ofstream file(temporary, std::ios::binary);
     if (!file)
         throw SimulationError({temporary.parent_path().string(), "cannot write a movie into this folder",
-                               "it is missing or not writable", "create it or choose another folder"});
+            "it is missing or not writable", "create it or choose another folder"});
 }
 } // namespace
 
 void write_png(const std::filesystem::path& path, const Image& image) {
     std::vector<std::uint8_t> bytes;
     if (!codecs().encode_png(matrix_of(image), bytes))
-        throw SimulationError(
-            {path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
+        throw SimulationError({path.string(), "cannot encode a PNG", "OpenCV lacks it", "install its image codecs"});
     write_file_atomically(path, std::string(bytes.begin(), bytes.end()));
 }
 
@@ -105,10 +103,9 @@ MovieWriter::MovieWriter(const std::filesystem::path& path, const MovieOptions& 
         state_->remove_temporary();
         missing += (missing.empty() ? "" : ", ") + std::string(entry_of(codec).name);
     }
-    throw SimulationError(
-        {path.string(), "no codec for a movie",
-         "this OpenCV cannot write " + (missing.empty() ? "with an empty list of codecs" : missing),
-         "install OpenCV with FFMPEG, or write PNG pictures"});
+    throw SimulationError({path.string(), "no codec for a movie",
+        "this OpenCV cannot write " + (missing.empty() ? "with an empty list of codecs" : missing),
+        "install OpenCV with FFMPEG, or write PNG pictures"});
 }
 
 MovieWriter::~MovieWriter() {
@@ -123,26 +120,23 @@ void MovieWriter::add(const Image& image) {
     const auto& options = state_->options;
     if (image.width != options.width || image.height != options.height)
         throw InputError({state_->path.string(),
-                          "a picture of " + std::to_string(image.width) + " x " +
-                              std::to_string(image.height) + " pixels in a movie of " +
-                              std::to_string(options.width) + " x " + std::to_string(options.height),
-                          "", "draw all frames with one size"});
+            "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                " pixels in a movie of " + std::to_string(options.width) + " x " + std::to_string(options.height),
+            "", "draw all frames with one size"});
     state_->encoder->add(matrix_of(image));
     ++state_->frames;
 }
 
 std::filesystem::path MovieWriter::finish() {
     if (state_->frames == 0)
-        throw SimulationError(
-            {state_->path.string(), "a movie without frames", "", "add at least one picture"});
+        throw SimulationError({state_->path.string(), "a movie without frames", "", "add at least one picture"});
     state_->encoder.reset();
     // The writer reports no failure of the disk: count what can be read back.
     const auto found = codecs().count_frames(state_->temporary.string());
     if (std::llround(found) != static_cast<long long>(state_->frames))
         throw SimulationError({state_->path.string(),
-                               "the movie has " + std::to_string(std::llround(found)) + " frames of " +
-                                   std::to_string(state_->frames),
-                               "the disk may be full", "free some space and draw again"});
+            "the movie has " + std::to_string(std::llround(found)) + " frames of " + std::to_string(state_->frames),
+            "the disk may be full", "free some space and draw again"});
     sync_and_rename(state_->temporary, state_->path);
     state_->finished = true;
     return state_->path;

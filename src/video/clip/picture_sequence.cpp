@@ -24,7 +24,8 @@ std::string lower(std::string text) {
 }
 
 bool picture_name(const fs::path& path) {
-    constexpr std::array endings = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm", ".heic", ".heif"};
+    constexpr std::array endings = {
+        ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm", ".heic", ".heif"};
     return std::ranges::find(endings, lower(path.extension().string())) != endings.end();
 }
 
@@ -59,7 +60,8 @@ std::regex number_pattern(const std::string& name, const fs::path& clip) {
     static const std::regex place("%0?[0-9]*d");
     std::smatch found;
     if (!std::regex_search(name, found, place))
-        throw InputError({clip.string(), "is no pattern of pictures", "% must begin a number such as %04d", "write for instance frame_%04d.png"});
+        throw InputError({clip.string(), "is no pattern of pictures", "% must begin a number such as %04d",
+            "write for instance frame_%04d.png"});
     const auto quote = [](const std::string& text) {
         static const std::regex special(R"([.^$|()\[\]{}*+?\\])");
         return std::regex_replace(text, special, R"(\$&)");
@@ -80,7 +82,7 @@ std::vector<fs::path> numbered(const fs::path& folder, const fs::path& clip) {
     for (std::size_t i = 0; i < found.size(); ++i) {
         if (i > 0 && found[i].first != found[i - 1].first + 1)
             throw InputError({clip.string(), "number " + std::to_string(found[i - 1].first + 1) + " is missing",
-                              "the frames after it would get wrong times", "add it, or name the pictures by *.png with --times"});
+                "the frames after it would get wrong times", "add it, or name the pictures by *.png with --times"});
         paths.push_back(found[i].second);
     }
     return paths;
@@ -89,8 +91,7 @@ std::vector<fs::path> numbered(const fs::path& folder, const fs::path& clip) {
 std::vector<fs::path> list_pictures(const fs::path& clip) {
     const auto folder = fs::is_directory(clip) ? clip : clip.has_parent_path() ? clip.parent_path() : fs::path(".");
     const auto name = clip.filename().string();
-    if (!fs::is_directory(folder))
-        throw InputError({clip.string(), "there is no such folder", "", "check its name"});
+    if (!fs::is_directory(folder)) throw InputError({clip.string(), "there is no such folder", "", "check its name"});
     if (!fs::is_directory(clip) && name.find('%') != std::string::npos) return numbered(folder, clip);
     std::vector<fs::path> paths;
     for (const auto& entry : fs::directory_iterator(folder)) {
@@ -99,7 +100,8 @@ std::vector<fs::path> list_pictures(const fs::path& clip) {
                                                    : fnmatch(name.c_str(), file.c_str(), FNM_PERIOD) == 0;
         if (wanted && entry.is_regular_file()) paths.push_back(entry.path());
     }
-    std::ranges::sort(paths, [](const fs::path& a, const fs::path& b) { return before(a.filename().string(), b.filename().string()); });
+    std::ranges::sort(paths,
+        [](const fs::path& a, const fs::path& b) { return before(a.filename().string(), b.filename().string()); });
     return paths;
 }
 
@@ -109,14 +111,14 @@ std::vector<double> times_of(const SourceRequest& request, std::size_t count) {
         times = NumberTable(request.times).column("time", unit::time);
         if (times.size() != count)
             throw InputError({request.times.string(), "has " + std::to_string(times.size()) + " times",
-                              request.clip.string() + " has " + std::to_string(count) + " pictures", "give one row a picture"});
+                request.clip.string() + " has " + std::to_string(count) + " pictures", "give one row a picture"});
         if (std::ranges::adjacent_find(times, [](double a, double b) { return !(a < b); }) != times.end())
             throw InputError({request.times.string(), "its times do not ascend", "", "sort them as the pictures"});
         return times;
     }
     if (!(request.rate > 0))
         throw InputError({request.clip.string(), "is a sequence of pictures without times", "pictures carry none",
-                          "give --rate FRAMES_PER_SECOND, or --times FILE.csv with a column time"});
+            "give --rate FRAMES_PER_SECOND, or --times FILE.csv with a column time"});
     for (std::size_t i = 0; i < count; ++i) times.push_back(static_cast<double>(i) / request.rate);
     return times;
 }
@@ -140,7 +142,8 @@ public:
         if (!paths_.empty() && is_heif(paths_.front())) throw heif_refused(paths_.front());
         if (paths_.size() < 2)
             throw InputError({request.clip.string(), paths_.empty() ? "holds no picture" : "is a single picture",
-                              "a clip has two frames at least", "name a folder, or a pattern such as \"frame_%04d.png\" or \"*.png\""});
+                "a clip has two frames at least",
+                "name a folder, or a pattern such as \"frame_%04d.png\" or \"*.png\""});
         const auto first = load(paths_.front(), info_.bits);
         info_.file = request.clip.string();
         info_.kind = std::to_string(paths_.size()) + " pictures";
@@ -158,9 +161,11 @@ public:
         int bits = 8;
         out.image = load(paths_[next_], bits);
         if (out.image.width != info_.width || out.image.height != info_.height)
-            throw InputError({paths_[next_].string(), "is " + std::to_string(out.image.width) + " x " + std::to_string(out.image.height) + " pixels",
-                              paths_.front().filename().string() + " is " + std::to_string(info_.width) + " x " + std::to_string(info_.height),
-                              "all frames of a clip have one size"});
+            throw InputError({paths_[next_].string(),
+                "is " + std::to_string(out.image.width) + " x " + std::to_string(out.image.height) + " pixels",
+                paths_.front().filename().string() + " is " + std::to_string(info_.width) + " x " +
+                    std::to_string(info_.height),
+                "all frames of a clip have one size"});
         out.index = static_cast<std::int64_t>(next_);
         out.stamp = out.time = info_.stamps[next_++];
         return true;
@@ -189,7 +194,7 @@ bool is_heif(const fs::path& path) {
 
 InputError heif_refused(const fs::path& path) {
     return InputError({path.string(), "is a HEIC picture, which OpenCV cannot read", "it is the default of iPhones",
-                       "convert it with `heif-convert IN.heic OUT.png`, or set Camera, Formats, Most Compatible"});
+        "convert it with `heif-convert IN.heic OUT.png`, or set Camera, Formats, Most Compatible"});
 }
 
 std::unique_ptr<FrameSource> open_pictures(const SourceRequest& request) {

@@ -13,8 +13,8 @@ namespace treacle::video {
 namespace {
 InputError refuse(const std::string& text, const std::string& problem) {
     return InputError({"--time-map " + shorten(text), problem,
-                       "each point is a time stamp of the file and the true time there, both in seconds",
-                       "write for instance \"0:0 2:2 10:3 12:5\", or name a CSV file with columns stamp and time"});
+        "each point is a time stamp of the file and the true time there, both in seconds",
+        "write for instance \"0:0 2:2 10:3 12:5\", or name a CSV file with columns stamp and time"});
 }
 } // namespace
 

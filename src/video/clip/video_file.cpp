@@ -38,10 +38,10 @@ InputError unreadable(const std::filesystem::path& path, int code) {
     const auto reason = said.empty() ? error_text(code) : said;
     if (reason.find("moov atom not found") != std::string::npos && is_mp4(path))
         return InputError({path.string(), "is cut off: its index is missing",
-                           "an MP4 has its index at the end, which was not copied or not written",
-                           "copy the file again, or repair it with `untrunc`"});
+            "an MP4 has its index at the end, which was not copied or not written",
+            "copy the file again, or repair it with `untrunc`"});
     return InputError({path.string(), "is no video that can be read", reason,
-                       "give a video, a folder of pictures, or a pattern such as \"frame_%04d.png\""});
+        "give a video, a folder of pictures, or a pattern such as \"frame_%04d.png\""});
 }
 
 OpenFile open_file(const std::filesystem::path& path) {
@@ -57,7 +57,7 @@ OpenFile open_file(const std::filesystem::path& path) {
     file.stream = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
     if (file.stream < 0 || decoder == nullptr)
         throw InputError({path.string(), "has no video that can be decoded",
-                          file.stream < 0 ? "" : "FFmpeg lacks its decoder", "convert it to H.264 in MP4"});
+            file.stream < 0 ? "" : "FFmpeg lacks its decoder", "convert it to H.264 in MP4"});
     file.codec.reset(avcodec_alloc_context3(decoder));
     avcodec_parameters_to_context(file.codec.get(), file.video().codecpar);
     file.codec->thread_count = 2;
@@ -73,8 +73,8 @@ Orientation orientation_of(const AVStream& stream, const std::filesystem::path& 
     const auto sign = [&](int i) { return matrix[i] > 32768 ? 1 : matrix[i] < -32768 ? -1 : 0; };
     const Orientation turned{sign(0), sign(1), sign(3), sign(4)};
     if (std::abs(turned.a * turned.d - turned.b * turned.c) != 1 || (turned.a != 0) == (turned.b != 0))
-        throw InputError({path.string(), "is turned by an angle other than 90, 180 or 270 degrees", "its display matrix says so",
-                          "convert it with `ffmpeg -i IN OUT`, which turns it"});
+        throw InputError({path.string(), "is turned by an angle other than 90, 180 or 270 degrees",
+            "its display matrix says so", "convert it with `ffmpeg -i IN OUT`, which turns it"});
     return turned;
 }
 
@@ -143,8 +143,8 @@ public:
         info_ = describe(file_, request);
         scan_packets(file_, info_);
         if (!info_.damage.empty() && !request.allow_damage)
-            throw InputError({request.clip.string(), "is cut off: " + info_.damage, "the copy or the recording was not finished",
-                              "copy it again; --allow-damage takes what is there"});
+            throw InputError({request.clip.string(), "is cut off: " + info_.damage,
+                "the copy or the recording was not finished", "copy it again; --allow-damage takes what is there"});
         if (info_.stamps.empty())
             throw InputError({request.clip.string(), "holds no frame", "", "choose another file"});
         rewind();
@@ -166,12 +166,12 @@ public:
         if (!frame) {
             if (next_ < std::ssize(info_.stamps) && !request_.allow_damage)
                 throw InputError({request_.clip.string() + ", frame " + std::to_string(next_), "cannot be decoded",
-                                  take_complaint(), "--allow-damage takes the frames before it"});
+                    take_complaint(), "--allow-damage takes the frames before it"});
             return false;
         }
         out.index = next_++;
         out.stamp = frame->best_effort_timestamp == AV_NOPTS_VALUE ? stamp_in_list(out.index)
-                                                                  : file_.seconds(frame->best_effort_timestamp);
+                                                                   : file_.seconds(frame->best_effort_timestamp);
         out.time = out.stamp;
         convert(*frame, out.image);
         return true;
@@ -212,7 +212,7 @@ private:
         if (frame.width != scaled_width_ || frame.height != scaled_height_ || frame.format != scaled_format_) {
             if (scaled_width_ != 0 && (frame.width != scaled_width_ || frame.height != scaled_height_))
                 throw InputError({request_.clip.string() + ", frame " + std::to_string(next_ - 1),
-                                  "has another size than the frames before", "", "cut the clip there"});
+                    "has another size than the frames before", "", "cut the clip there"});
             make_scaler(frame);
         }
         stored_.width = frame.width;
@@ -226,9 +226,11 @@ private:
         sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, target, strides);
         for (int row = 0; row < frame.height; ++row)
             std::copy_n(padded_.data() + std::size_t(row) * std::size_t(stride), 3 * frame.width,
-                        stored_.pixels.data() + 3 * std::size_t(row) * std::size_t(frame.width));
-        if (info_.orientation.upright()) std::swap(image, stored_);
-        else image = turn(stored_, info_.orientation);
+                stored_.pixels.data() + 3 * std::size_t(row) * std::size_t(frame.width));
+        if (info_.orientation.upright())
+            std::swap(image, stored_);
+        else
+            image = turn(stored_, info_.orientation);
     }
 
     // Colours by the frame's own matrix and range; BT.709 from 720 rows on, BT.601 below, where it names none.
@@ -237,15 +239,19 @@ private:
         scaled_height_ = frame.height;
         scaled_format_ = frame.format;
         scaler_.reset(sws_getContext(frame.width, frame.height, static_cast<AVPixelFormat>(frame.format), frame.width,
-                                     frame.height, AV_PIX_FMT_RGB24, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_BITEXACT,
-                                     nullptr, nullptr, nullptr));
+            frame.height, AV_PIX_FMT_RGB24, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_BITEXACT, nullptr,
+            nullptr, nullptr));
         if (!scaler_)
-            throw InputError({request_.clip.string(), "has a pixel format that cannot be converted", "", "convert it to H.264 in MP4"});
-        const int matrix = frame.colorspace != AVCOL_SPC_UNSPECIFIED && frame.colorspace != AVCOL_SPC_RGB ? frame.colorspace
-                           : frame.height >= 720 ? SWS_CS_ITU709 : SWS_CS_ITU601;
+            throw InputError({request_.clip.string(), "has a pixel format that cannot be converted", "",
+                "convert it to H.264 in MP4"});
+        const int matrix = frame.colorspace != AVCOL_SPC_UNSPECIFIED && frame.colorspace != AVCOL_SPC_RGB
+                               ? frame.colorspace
+                           : frame.height >= 720 ? SWS_CS_ITU709
+                                                 : SWS_CS_ITU601;
         const int full = frame.color_range == AVCOL_RANGE_JPEG ? 1 : 0;
         const int* coefficients = sws_getCoefficients(matrix);
-        sws_setColorspaceDetails(scaler_.get(), coefficients, full, sws_getCoefficients(SWS_CS_ITU709), 1, 0, 1 << 16, 1 << 16);
+        sws_setColorspaceDetails(
+            scaler_.get(), coefficients, full, sws_getCoefficients(SWS_CS_ITU709), 1, 0, 1 << 16, 1 << 16);
     }
 
     SourceRequest request_;

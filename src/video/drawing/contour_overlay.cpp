@@ -8,19 +8,22 @@ namespace {
 Image even_part(const Image& frame) {
     Image out{frame.width / 2 * 2, frame.height / 2 * 2, {}};
     out.pixels.reserve(3 * std::size_t(out.width) * std::size_t(out.height));
-    for (int y = 0; y < out.height; ++y) out.pixels.insert(out.pixels.end(), frame.at(0, y), frame.at(0, y) + 3 * out.width);
+    for (int y = 0; y < out.height; ++y)
+        out.pixels.insert(out.pixels.end(), frame.at(0, y), frame.at(0, y) + 3 * out.width);
     return out;
 }
 
 bool is_edge(const Mask& mask, int x, int y) {
-    return mask.liquid(x, y) && (x == 0 || y == 0 || x + 1 == mask.width || y + 1 == mask.height || !mask.liquid(x - 1, y) || !mask.liquid(x + 1, y) ||
-                                 !mask.liquid(x, y - 1) || !mask.liquid(x, y + 1));
+    return mask.liquid(x, y) &&
+           (x == 0 || y == 0 || x + 1 == mask.width || y + 1 == mask.height || !mask.liquid(x - 1, y) ||
+               !mask.liquid(x + 1, y) || !mask.liquid(x, y - 1) || !mask.liquid(x, y + 1));
 }
 
 void draw_edges(Image& image, const Mask& mask, const Rgb8& colour) {
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x)
-            if (is_edge(mask, x, y)) std::ranges::copy(colour, image.pixels.begin() + 3 * (std::ptrdiff_t(y) * image.width + x));
+            if (is_edge(mask, x, y))
+                std::ranges::copy(colour, image.pixels.begin() + 3 * (std::ptrdiff_t(y) * image.width + x));
 }
 
 void darken_excluded(Image& image, const Mask& mask) {

@@ -24,7 +24,8 @@ Vec3f deepened(const Vec3f& albedo, float share) {
 }
 } // namespace
 
-Vec3f shade_liquid(const Fragment& f, const DirectionalLight& lamp, const Vec3f& behind, float thickness, float attenuation_length) {
+Vec3f shade_liquid(
+    const Fragment& f, const DirectionalLight& lamp, const Vec3f& behind, float thickness, float attenuation_length) {
     const Vec3f into = normalised(f.point);
     const float facing = std::clamp(-dot(into, f.normal), 0.0f, 1.0f);
     // Light scatters inside the liquid before it leaves: the lamp reaches a little round the edge.
@@ -38,8 +39,7 @@ Vec3f shade_liquid(const Fragment& f, const DirectionalLight& lamp, const Vec3f&
         const float path = thickness / attenuation_length;
         const float through = clearest * std::exp(-path);
         Vec3f tinted = behind;
-        for (int k = 0; k < 3; ++k)
-            tinted[k] *= std::pow(std::max(f.albedo[k], 0.02f), 0.9f * std::min(path, 3.0f));
+        for (int k = 0; k < 3; ++k) tinted[k] *= std::pow(std::max(f.albedo[k], 0.02f), 0.9f * std::min(path, 3.0f));
         colour = mix(own, tinted, through);
     }
     const float grazing = 1 - facing, power = grazing * grazing * grazing * grazing * grazing;

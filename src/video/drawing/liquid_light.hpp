@@ -7,6 +7,6 @@ namespace treacle::video {
 // is thin, and the sky and the lamp mirrored. `thickness` [m] along the ray; `attenuation_length` [m]: the thickness at which 37 % come
 // through; 0: none.
 Vec3f shade_liquid(const Fragment& fragment, const DirectionalLight& lamp, const Vec3f& behind, float thickness,
-                   float attenuation_length);
+    float attenuation_length);
 
 } // namespace treacle::video

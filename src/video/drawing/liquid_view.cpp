@@ -10,10 +10,10 @@
 namespace treacle::video {
 
 namespace {
-constexpr double weight_unit = 1 << 20;  // of a spline's weight in whole numbers
-constexpr double length_unit = 1e-9;     // [m]
-constexpr double kernel_width = 1.25;    // of the splines about particles, in spacings; their support is twice that
-constexpr float caster_size = 0.5F;      // radius of the balls behind vertices that cast the shadow, in spacings
+constexpr double weight_unit = 1 << 20; // of a spline's weight in whole numbers
+constexpr double length_unit = 1e-9;    // [m]
+constexpr double kernel_width = 1.25;   // of the splines about particles, in spacings; their support is twice that
+constexpr float caster_size = 0.5F;     // radius of the balls behind vertices that cast the shadow, in spacings
 
 // Cubic B-spline of a distance in widths.
 double spline(double s) {
@@ -25,27 +25,30 @@ std::vector<Sphere> corners_of(const Camera& camera, const LiquidScene& scene) {
     const auto& box = scene.domain;
     std::vector<Sphere> corners;
     for (int i = 0; i < 8; ++i)
-        corners.push_back({single(camera.to_camera({(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1],
-                                                    (i & 4) ? box.max[2] : box.min[2]})),
-                           caster_size * float(scene.spacing)});
+        corners.push_back({single(camera.to_camera({(i & 1) ? box.max[0] : box.min[0],
+                               (i & 2) ? box.max[1] : box.min[1], (i & 4) ? box.max[2] : box.min[2]})),
+            caster_size * float(scene.spacing)});
     return corners;
 }
 } // namespace
 
 CutPlane facing(const CutPlane& cut, const Camera& camera) {
     const double size = length(cut.normal);
-    if (!(size > 0) || !std::isfinite(size)) throw InputError({"--cut", "the plane has no direction", "", "give a normal that is not zero"});
+    if (!(size > 0) || !std::isfinite(size))
+        throw InputError({"--cut", "the plane has no direction", "", "give a normal that is not zero"});
     CutPlane out{cut.point, (1 / size) * cut.normal};
     const double side = dot(out.normal, camera.position() - out.point);
     if (!(std::abs(side) > 1e-9 * length(camera.position() - out.point)))
-        throw InputError({"--cut", "the camera stands in the plane", "it would see it as a line", "move the plane, or choose another camera"});
+        throw InputError({"--cut", "the camera stands in the plane", "it would see it as a line",
+            "move the plane, or choose another camera"});
     if (side < 0) out.normal = -1.0 * out.normal;
     return out;
 }
 
 LiquidView::LiquidView(const LiquidScene& scene)
-    : dimensions_(scene.domain.dimensions), camera_(scene.view), fine_(camera_.enlarged(samples)), spacing_(scene.spacing),
-      range_(scene.range), shadows_(lamp_of(camera_, up_of(scene.domain)), corners_of(camera_, scene)),
+    : dimensions_(scene.domain.dimensions), camera_(scene.view), fine_(camera_.enlarged(samples)),
+      spacing_(scene.spacing), range_(scene.range),
+      shadows_(lamp_of(camera_, up_of(scene.domain)), corners_of(camera_, scene)),
       samples_(std::size_t(fine_.width()) * std::size_t(fine_.height())) {
     if (dimensions_ == 3) model_.emplace(camera_model(scene.view, "view"));
     if (dimensions_ == 2) {
@@ -68,8 +71,10 @@ bool LiquidView::Sample::hides(const Sample& other) const {
 }
 
 void LiquidView::add(const LiquidMesh& mesh) {
-    if (dimensions_ == 3) add_space(mesh);
-    else add_plane(mesh);
+    if (dimensions_ == 3)
+        add_space(mesh);
+    else
+        add_plane(mesh);
 }
 
 void LiquidView::add_space(const LiquidMesh& mesh) {
@@ -86,7 +91,8 @@ void LiquidView::add_space(const LiquidMesh& mesh) {
     for (std::size_t v = 0; v < vertices.size(); ++v) {
         auto& to = vertices[v];
         to.seen = projection.see(&mesh.vertices[3 * v], nullptr);
-        to.normal = single(fine_.direction_to_camera({mesh.normals[3 * v], mesh.normals[3 * v + 1], mesh.normals[3 * v + 2]}));
+        to.normal =
+            single(fine_.direction_to_camera({mesh.normals[3 * v], mesh.normals[3 * v + 1], mesh.normals[3 * v + 2]}));
         to.value = mesh.values.empty() ? 0 : place_of(mesh.values[v]);
         const auto place = single(to.seen.camera);
         if (!cut_ || dot(cut_normal_, place) <= cut_offset_) {
@@ -96,7 +102,8 @@ void LiquidView::add_space(const LiquidMesh& mesh) {
     }
     shadows_.add(casters);
     for (const auto& t : mesh.triangles) {
-        const Vertex* corner[3] = {&vertices[std::size_t(t[0])], &vertices[std::size_t(t[1])], &vertices[std::size_t(t[2])]};
+        const Vertex* corner[3] = {
+            &vertices[std::size_t(t[0])], &vertices[std::size_t(t[1])], &vertices[std::size_t(t[2])]};
         raster.draw(corner[0]->seen, corner[1]->seen, corner[2]->seen, [&](const scene::RasterSample& sample) {
             Sample found;
             found.depth = float(sample.depth);
@@ -126,7 +133,9 @@ void LiquidView::add_space(const LiquidMesh& mesh) {
 void LiquidView::add_plane(const LiquidMesh& mesh) {
     const int width = fine_.width(), height = fine_.height();
     std::vector<std::int32_t> change(std::size_t(width + 1) * std::size_t(height), 0);
-    const auto see = [&](int v) { return fine_.project({mesh.vertices[3 * std::size_t(v)], mesh.vertices[3 * std::size_t(v) + 1], 0}); };
+    const auto see = [&](int v) {
+        return fine_.project({mesh.vertices[3 * std::size_t(v)], mesh.vertices[3 * std::size_t(v) + 1], 0});
+    };
     for (const auto& segment : mesh.triangles) {
         const auto a = see(segment[0]), b = see(segment[1]);
         const double low = std::min(a.y, b.y), high = std::max(a.y, b.y);
@@ -158,7 +167,8 @@ void LiquidView::add(const LiquidPoints& points) {
     if (means_.empty()) return;
     const float reach = 2 * float(kernel_width * spacing_);
     for (std::size_t i = 0; i < points.positions.size() / 3; ++i) {
-        const auto centre = single(camera_.to_camera({points.positions[3 * i], points.positions[3 * i + 1], points.positions[3 * i + 2]}));
+        const auto centre = single(
+            camera_.to_camera({points.positions[3 * i], points.positions[3 * i + 1], points.positions[3 * i + 2]}));
         if (std::abs(dot(cut_normal_, centre) - cut_offset_) >= reach) continue;
         const PixelBox box = pixels_of(camera_, {centre, reach});
         const double value = points.values.empty() ? 0 : double(place_of(points.values[i]));
@@ -170,7 +180,8 @@ void LiquidView::add(const LiquidPoints& points) {
                 const float square = dot(apart, apart);
                 if (square >= reach * reach) continue;
                 auto& mean = means_[std::size_t(row) * std::size_t(camera_.width()) + std::size_t(column)];
-                const auto weight = std::llround(weight_unit * spline(std::sqrt(double(square)) / (kernel_width * spacing_)));
+                const auto weight =
+                    std::llround(weight_unit * spline(std::sqrt(double(square)) / (kernel_width * spacing_)));
                 mean.weight += weight;
                 mean.value += std::llround(double(weight) * value * 1024);
                 const int liquid = points.liquid.empty() ? 0 : int(points.liquid[i]);

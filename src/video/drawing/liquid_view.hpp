@@ -21,17 +21,17 @@ CutPlane facing(const CutPlane& cut, const Camera& camera);
 
 // A part of a closed, oriented surface of liquid. The spans must stay valid during the call.
 struct LiquidMesh {
-    std::span<const double> vertices, normals; // [n][3] [m], unit and outward
-    std::span<const int> liquid;               // [n] index of the scene's liquid
-    std::span<const double> values;            // [n], or none
+    std::span<const double> vertices, normals;     // [n][3] [m], unit and outward
+    std::span<const int> liquid;                   // [n] index of the scene's liquid
+    std::span<const double> values;                // [n], or none
     std::span<const std::array<int, 3>> triangles; // 2D scenes: segments with the liquid on their left, the third is -1
 };
 
 // Particles, from which sections of liquid and 2D scenes take their values.
 struct LiquidPoints {
-    std::span<const double> positions;        // [n][3] [m]
-    std::span<const std::int64_t> liquid;     // [n], or none
-    std::span<const double> values;           // [n], or none
+    std::span<const double> positions;    // [n][3] [m]
+    std::span<const std::int64_t> liquid; // [n], or none
+    std::span<const double> values;       // [n], or none
 };
 
 // View of liquids.
@@ -67,8 +67,8 @@ public:
         Vec3f normal{0, 0, -1}; // unit, camera axes, on the camera's side
         float value = 0;        // place in the range, in [0, 1]
         int liquid = 0;
-        float thickness = 0;    // [m] of liquid along the camera's axis
-        bool section = false;   // where the cut passes through liquid, and in 2D scenes
+        float thickness = 0;  // [m] of liquid along the camera's axis
+        bool section = false; // where the cut passes through liquid, and in 2D scenes
     };
     Seen at(int column, int row) const; // of samples
 
@@ -85,7 +85,8 @@ private:
         std::array<float, 3> normal{0, 0, 0};
         float value = 0;
         std::int32_t liquid = 0;
-        std::int32_t crossings = 0; // surfaces that the ray enters, less those that it leaves: -1 if it starts in liquid
+        std::int32_t crossings =
+            0; // surfaces that the ray enters, less those that it leaves: -1 if it starts in liquid
         std::int64_t thickness = 0; // [nm]
         bool hides(const Sample& other) const;
     };
@@ -108,8 +109,8 @@ private:
     double spacing_;
     ValueRange range_;
     std::optional<CutPlane> cut_;
-    Vec3f cut_normal_{0, 0, -1}; // camera axes
-    float cut_offset_ = 0;       // [m] normal . x of the section's points
+    Vec3f cut_normal_{0, 0, -1};              // camera axes
+    float cut_offset_ = 0;                    // [m] normal . x of the section's points
     std::optional<scene::CameraModel> model_; // in 3D
     ShadowMap shadows_;
     std::vector<Sample> samples_; // [height][width] of samples

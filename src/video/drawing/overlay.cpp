@@ -8,8 +8,7 @@
 namespace treacle::video {
 
 namespace {
-constexpr int fine =
-    4; // text is drawn this many times larger and averaged: smoother than the font's own lines
+constexpr int fine = 4; // text is drawn this many times larger and averaged: smoother than the font's own lines
 
 enum class Align { left, centre, right };
 
@@ -42,8 +41,7 @@ void draw_text(Image& image, const Text& text, const Rgb8& ink) {
     const int pad = 2 * fine, width = (size.width + 2 * pad) / fine + 1;
     const int above = (size.height + pad) / fine + 1, under = (below + pad) / fine + 1;
     cv::Mat large = cv::Mat::zeros((above + under) * fine, width * fine, CV_8U), mask;
-    cv::putText(large, text.content, {pad, above * fine}, cv::FONT_HERSHEY_SIMPLEX, scale, 255, thickness,
-                cv::LINE_AA);
+    cv::putText(large, text.content, {pad, above * fine}, cv::FONT_HERSHEY_SIMPLEX, scale, 255, thickness, cv::LINE_AA);
     cv::resize(large, mask, {width, above + under}, 0, 0, cv::INTER_AREA);
     const double share = text.align == Align::left ? 0 : text.align == Align::centre ? 0.5 : 1;
     const int left = int(std::lround(text.x - share * size.width / fine)) - pad / fine;

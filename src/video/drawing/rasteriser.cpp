@@ -1,10 +1,10 @@
 #include "video/drawing/rasteriser.hpp"
 
-#include "video/drawing/palette.hpp"
 #include "base/text/error.hpp"
 #include "base/text/text.hpp"
 #include "video/drawing/liquid_light.hpp"
 #include "video/drawing/overlay.hpp"
+#include "video/drawing/palette.hpp"
 #include "video/drawing/scenery.hpp"
 #include "video/drawing/section.hpp"
 
@@ -17,8 +17,7 @@ namespace treacle::video {
 
 namespace {
 constexpr int samples = LiquidView::samples; // per pixel along each side
-constexpr float plane_relief =
-    0.45f; // share of the lamp in 2D scenes, where value matters more than shape
+constexpr float plane_relief = 0.45f;        // share of the lamp in 2D scenes, where value matters more than shape
 
 // A layer's balls in camera axes.
 struct PreparedLayer {
@@ -42,25 +41,20 @@ void check(const ParticleLayer& layer) {
     if (layer.positions.size() != 3 * n) refuse("positions are not triples", "give [n][3] coordinates");
     if (!layer.values.empty() && layer.values.size() != n)
         refuse(std::to_string(layer.values.size()) + " values for " + std::to_string(n) + " particles",
-               "give one value per particle");
+            "give one value per particle");
     if (n > std::size_t(std::numeric_limits<std::int32_t>::max()))
-        refuse(std::to_string(n) + " particles are more than a picture can tell apart",
-               "draw every second one");
+        refuse(std::to_string(n) + " particles are more than a picture can tell apart", "draw every second one");
     if (n > 0 && !(layer.radius > 0 && std::isfinite(layer.radius)))
-        refuse("radius = " + format_number(layer.radius) + " m: must be > 0",
-               "half of the particle spacing");
+        refuse("radius = " + format_number(layer.radius) + " m: must be > 0", "half of the particle spacing");
     if (!(layer.opacity > 0 && layer.opacity <= 1))
-        refuse("opacity = " + format_number(layer.opacity) + ": must be in (0, 1]",
-               "1 hides what lies behind");
-    if (layer.range && !(layer.range->low < layer.range->high))
-        refuse("range of values is empty", "give low < high");
-    const auto bad = std::find_if(layer.positions.begin(), layer.positions.end(),
-                                  [](double x) { return !std::isfinite(x); });
+        refuse("opacity = " + format_number(layer.opacity) + ": must be in (0, 1]", "1 hides what lies behind");
+    if (layer.range && !(layer.range->low < layer.range->high)) refuse("range of values is empty", "give low < high");
+    const auto bad =
+        std::find_if(layer.positions.begin(), layer.positions.end(), [](double x) { return !std::isfinite(x); });
     if (bad != layer.positions.end())
         throw SimulationError({"picture of " + layer.name,
-                               "the position of particle " +
-                                   std::to_string((bad - layer.positions.begin()) / 3) + " is not finite",
-                               "the simulation has failed before this frame", "draw an earlier frame"});
+            "the position of particle " + std::to_string((bad - layer.positions.begin()) / 3) + " is not finite",
+            "the simulation has failed before this frame", "draw an earlier frame"});
 }
 
 // True when a wall's particle stands between the camera and the inside of the domain.
@@ -74,10 +68,9 @@ bool hides_inside(const Vec3& p, const DomainBox& box, const Vec3& camera, doubl
 
 // `cut`: towards the camera.
 PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, const Camera& camera,
-                      const std::optional<CutPlane>& cut) {
+    const std::optional<CutPlane>& cut) {
     check(layer);
-    PreparedLayer out{&layer, {},   {}, {}, to_linear(layer.colour.value_or(default_colour(layer.kind))),
-                      {},     0.22f};
+    PreparedLayer out{&layer, {}, {}, {}, to_linear(layer.colour.value_or(default_colour(layer.kind))), {}, 0.22f};
     if (layer.kind == LayerKind::wall) out.gloss = 0;
     const bool valued = !layer.values.empty();
     if (valued) {
@@ -90,8 +83,7 @@ PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, 
     out.spheres.reserve(n);
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3 p{layer.positions[3 * i], layer.positions[3 * i + 1], layer.positions[3 * i + 2]};
-        if (layer.kind == LayerKind::wall &&
-            hides_inside(p, request.domain, camera.position(), 2 * layer.radius))
+        if (layer.kind == LayerKind::wall && hides_inside(p, request.domain, camera.position(), 2 * layer.radius))
             continue;
         if (cut && dot(cut->normal, p - cut->point) > 0) continue;
         out.spheres.push_back({single(camera.to_camera(p)), float(layer.radius)});
@@ -129,8 +121,8 @@ Vec3f finish(const Scene& scene, Fragment f, int column, int row, float open) {
     return shade(f, scene.lamp);
 }
 
-Fragment sphere_fragment(const Scene& scene, const PreparedLayer& layer, std::size_t k, float depth,
-                         int column, int row) {
+Fragment sphere_fragment(
+    const Scene& scene, const PreparedLayer& layer, std::size_t k, float depth, int column, int row) {
     const Ray ray = ray_through(scene.fine, column + 0.5f, row + 0.5f);
     const Vec3f point = ray.origin + depth * ray.direction;
     const auto& [centre, radius] = layer.spheres[k];
@@ -158,16 +150,15 @@ float open_at(const std::vector<float>& open, const Scene& scene, int column, in
     return open[std::size_t(row / samples) * scene.camera.width() + column / samples];
 }
 
-void composite_spheres(const Scene& scene, const PreparedLayer& layer, const Pass& pass,
-                       std::vector<float>& depth, Canvas& canvas) {
+void composite_spheres(
+    const Scene& scene, const PreparedLayer& layer, const Pass& pass, std::vector<float>& depth, Canvas& canvas) {
     const float opacity = float(layer.source->opacity);
     for (int row = 0; row < canvas.height; ++row)
         for (int column = 0; column < canvas.width; ++column) {
             const std::size_t i = std::size_t(row) * canvas.width + column;
             const auto k = pass.buffer.sphere[i];
             if (k == no_sphere || !(pass.buffer.depth[i] < depth[i])) continue;
-            const Fragment f =
-                sphere_fragment(scene, layer, std::size_t(k), pass.buffer.depth[i], column, row);
+            const Fragment f = sphere_fragment(scene, layer, std::size_t(k), pass.buffer.depth[i], column, row);
             const Vec3f light = finish(scene, f, column, row, open_at(pass.open, scene, column, row));
             canvas.light[i] = opacity < 1 ? mix(canvas.light[i], light, opacity) : light;
             if (opacity == 1) depth[i] = pass.buffer.depth[i];
@@ -203,8 +194,8 @@ void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& can
     for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], scene.liquid[i]);
     std::vector<float> open;
     if (!scene.is_flat())
-        open = ambient_occlusion(scene.camera, reduce_depth(nearest, canvas.width, canvas.height, samples),
-                                 6 * float(layer.spacing));
+        open = ambient_occlusion(
+            scene.camera, reduce_depth(nearest, canvas.width, canvas.height, samples), 6 * float(layer.spacing));
     const Vec3 size = scene.request.domain.max - scene.request.domain.min;
     const float attenuation_length = layer.has_values ? 0 : 0.045f * float(length(size));
     // Balls that cast the shadows touch the surface from within; none of them may shade its own place.
@@ -218,22 +209,20 @@ void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& can
             const auto seen = layer.view->at(column, row);
             const Ray ray = ray_through(scene.fine, column + 0.5f, row + 0.5f);
             Fragment f{ray.origin + depth[i] * ray.direction, seen.normal,
-                       layer.has_values ? map[std::size_t(std::lround(255 * seen.value))]
-                                        : own_colour(layer, seen.liquid)};
+                layer.has_values ? map[std::size_t(std::lround(255 * seen.value))] : own_colour(layer, seen.liquid)};
             // Sections are there to read values from.
             if (scene.is_flat() || seen.section) {
                 canvas.light[i] = f.albedo;
                 continue;
             }
             f.open = open_at(open, scene, column, row);
-            f.lit = scene.shadows.light_at(f.point + lift * f.normal,
-                                           (row % samples) * samples + column % samples);
+            f.lit = scene.shadows.light_at(f.point + lift * f.normal, (row % samples) * samples + column % samples);
             // Light bends towards the normal inside: the scene behind seems shifted.
             const float bend = 0.06f * float(canvas.height);
             const int c = std::clamp(int(column + bend * f.normal[0]), 0, canvas.width - 1);
             const int r = std::clamp(int(row + bend * f.normal[1]), 0, canvas.height - 1);
             canvas.light[i] = shade_liquid(f, scene.lamp, behind.light[std::size_t(r) * canvas.width + c],
-                                           seen.thickness * length(ray.direction), attenuation_length);
+                seen.thickness * length(ray.direction), attenuation_length);
         }
 }
 
@@ -256,8 +245,8 @@ void paint_ground(const Scene& scene, DepthBuffer& ground, Canvas& canvas, float
             canvas.light[i] = background_at(scene.palette, row, canvas.height);
             if (ground.sphere[i] != floor_plane) continue;
             const Ray ray = ray_through(scene.fine, column + 0.5f, row + 0.5f);
-            const float lit = scene.shadows.light_at(ground.depth[i] * ray.direction,
-                                                     (row % samples) * samples + column % samples);
+            const float lit =
+                scene.shadows.light_at(ground.depth[i] * ray.direction, (row % samples) * samples + column % samples);
             const float light = (0.45f + 0.55f * lit) * (0.5f + 0.5f * open_at(open, scene, column, row));
             canvas.light[i] = light * scene.palette.floor;
         }
@@ -279,12 +268,10 @@ Image develop(const Canvas& canvas) {
             Vec3f sum{0, 0, 0};
             for (int y = 0; y < samples; ++y)
                 for (int x = 0; x < samples; ++x)
-                    sum = sum +
-                          canvas.light[std::size_t(row * samples + y) * canvas.width + column * samples + x];
+                    sum = sum + canvas.light[std::size_t(row * samples + y) * canvas.width + column * samples + x];
             for (int k = 0; k < 3; ++k) {
                 const float v = std::clamp(sum[k] / (samples * samples), 0.0f, 1.0f);
-                image.pixels[3 * (std::size_t(row) * image.width + column) + k] =
-                    codes[std::size_t(v * 65535 + 0.5f)];
+                image.pixels[3 * (std::size_t(row) * image.width + column) + k] = codes[std::size_t(v * 65535 + 0.5f)];
             }
         }
     return image;
@@ -317,23 +304,17 @@ Scene set_scene(const RenderRequest& request) {
     std::vector<float> liquid;
     if (request.liquid) {
         for (int row = 0; row < fine.height(); ++row)
-            for (int column = 0; column < fine.width(); ++column) liquid.push_back(request.liquid->view->at(column, row).depth);
+            for (int column = 0; column < fine.width(); ++column)
+                liquid.push_back(request.liquid->view->at(column, row).depth);
     }
-    return {request,
-            camera,
-            fine,
-            palette_of(request.background),
-            lamp,
-            cut,
-            std::move(layers),
-            std::move(shadows),
-            std::move(liquid)};
+    return {request, camera, fine, palette_of(request.background), lamp, cut, std::move(layers), std::move(shadows),
+        std::move(liquid)};
 }
 
 void draw_legend(const Scene& scene, Image& image) {
     if (const auto& liquid = scene.request.liquid; liquid && liquid->has_values)
-        return draw_colour_bar(image, {liquid->title, liquid->map, liquid->range, liquid->has_lower, liquid->has_higher},
-                               scene.palette.ink);
+        return draw_colour_bar(image,
+            {liquid->title, liquid->map, liquid->range, liquid->has_lower, liquid->has_higher}, scene.palette.ink);
     for (const auto& layer : scene.layers) {
         if (layer.source->values.empty()) continue;
         Legend legend{layer.source->title, layer.source->map, layer.range};
@@ -356,7 +337,8 @@ std::string caption_of(const std::string& name, double time, std::size_t particl
 }
 
 Rgb8 colour_of_liquid(int number) {
-    constexpr Rgb8 colours[] = {{214, 128, 24}, {44, 122, 190}, {112, 168, 60}, {168, 60, 92}, {120, 96, 180}, {60, 160, 150}};
+    constexpr Rgb8 colours[] = {
+        {214, 128, 24}, {44, 122, 190}, {112, 168, 60}, {168, 60, 92}, {120, 96, 180}, {60, 160, 150}};
     return colours[std::size_t(std::max(number, 0)) % std::size(colours)];
 }
 

@@ -66,7 +66,8 @@ struct RenderRequest {
     std::string caption = ""; // bottom left; see caption_of
     std::optional<LiquidLayer> liquid = {};
     std::optional<CutPlane> cut = {}; // particles on the camera's side are left out
-    std::function<double(const Vec3&)> solid_distance = {}; // [m] of the solids, whose section the cut shows; may be none
+    std::function<double(const Vec3&)> solid_distance =
+        {}; // [m] of the solids, whose section the cut shows; may be none
     Background background = Background::white;
     Lighting lighting = Lighting::shaded;
     Scenery scenery = Scenery::box_and_floor;

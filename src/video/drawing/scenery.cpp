@@ -17,8 +17,8 @@ void add_floor(const Camera& camera, const DomainBox& box, DepthBuffer& buffer) 
             if (!(d[2] < 0)) continue;
             const double t = -height / d[2];
             const Vec3 point = camera.position() + t * d;
-            const bool inside = point[0] >= box.min[0] && point[0] <= box.max[0] && point[1] >= box.min[1] &&
-                                point[1] <= box.max[1];
+            const bool inside =
+                point[0] >= box.min[0] && point[0] <= box.max[0] && point[1] >= box.min[1] && point[1] <= box.max[1];
             if (!inside) continue;
             buffer.depth[i] = float(t);
             buffer.sphere[i] = floor_plane;
@@ -36,9 +36,9 @@ std::vector<Edge> edges_of(const Camera& camera, const DomainBox& box) {
     const bool plane = box.dimensions == 2;
     const auto corner = [&](int i) {
         return camera.to_camera({(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1],
-                                 plane     ? 0
-                                 : (i & 4) ? box.max[2]
-                                           : box.min[2]});
+            plane     ? 0
+            : (i & 4) ? box.max[2]
+                      : box.min[2]});
     };
     for (int i = 0; i < (plane ? 4 : 8); ++i)
         for (int axis = 0; axis < box.dimensions; ++axis)
@@ -50,16 +50,15 @@ std::vector<Edge> edges_of(const Camera& camera, const DomainBox& box) {
 bool clip(Edge& edge, double nearest) {
     if (edge.from[2] < nearest && edge.to[2] < nearest) return false;
     const auto move = [nearest](Vec3& behind, const Vec3& other) {
-        if (behind[2] < nearest)
-            behind = behind + ((nearest - behind[2]) / (other[2] - behind[2])) * (other - behind);
+        if (behind[2] < nearest) behind = behind + ((nearest - behind[2]) / (other[2] - behind[2])) * (other - behind);
     };
     move(edge.from, edge.to);
     move(edge.to, edge.from);
     return true;
 }
 
-void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>& depth, const BoxLines& lines,
-               Canvas& canvas) {
+void draw_edge(
+    const Camera& camera, const Edge& edge, const std::vector<float>& depth, const BoxLines& lines, Canvas& canvas) {
     const auto on_screen = [&](const Vec3& p) {
         const auto q = camera.project_camera(p);
         return std::array<double, 2>{q.x, q.y};
@@ -88,8 +87,7 @@ void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>&
         const int low = int(std::clamp(std::floor(centre - half - 1), 0.0, double(across)));
         const int high = int(std::clamp(std::ceil(centre + half + 1), 0.0, double(across)));
         for (int n = low; n < high; ++n) {
-            const std::size_t i =
-                steep ? std::size_t(m) * canvas.width + n : std::size_t(n) * canvas.width + m;
+            const std::size_t i = steep ? std::size_t(m) * canvas.width + n : std::size_t(n) * canvas.width + m;
             if (z > depth[i] * 1.002) continue;
             const double cover = std::clamp(half + 0.5 - std::abs(n + 0.5 - centre), 0.0, 1.0);
             canvas.light[i] = mix(canvas.light[i], lines.colour, float(cover) * lines.opacity);
@@ -98,10 +96,12 @@ void draw_edge(const Camera& camera, const Edge& edge, const std::vector<float>&
 }
 } // namespace
 
-void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth,
-              const BoxLines& lines, Canvas& canvas) {
+void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth, const BoxLines& lines,
+    Canvas& canvas) {
     const Vec3 size = box.max - box.min;
-    const double nearest = camera.lens() ? std::max(1e-3, 1e-3 * length(size)) : camera.is_perspective() ? 1e-4 * length(size) : -1e300;
+    const double nearest = camera.lens()             ? std::max(1e-3, 1e-3 * length(size))
+                           : camera.is_perspective() ? 1e-4 * length(size)
+                                                     : -1e300;
     // Through a lens edges are bent.
     const int pieces = camera.lens() ? 48 : 1;
     for (Edge edge : edges_of(camera, box)) {

@@ -23,7 +23,7 @@ struct BoxLines {
     Vec3f colour;                    // linear
     float width = 2, opacity = 0.6f; // [pixels]; 0 to 1
 };
-void draw_box(const Camera& camera, const DomainBox& box, const std::vector<float>& depth,
-              const BoxLines& lines, Canvas& canvas);
+void draw_box(
+    const Camera& camera, const DomainBox& box, const std::vector<float>& depth, const BoxLines& lines, Canvas& canvas);
 
 } // namespace treacle::video

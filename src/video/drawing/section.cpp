@@ -12,7 +12,8 @@ constexpr int block = 16; // pixels along the edge of the squares that are class
 class Section {
 public:
     Section(const Camera& camera, const CutPlane& cut)
-        : camera_(camera), normal_(camera.direction_to_camera(cut.normal)), offset_(dot(normal_, camera.to_camera(cut.point))) {}
+        : camera_(camera), normal_(camera.direction_to_camera(cut.normal)),
+          offset_(dot(normal_, camera.to_camera(cut.point))) {}
 
     // Depth [m] on the ray of a pixel; not positive: none.
     double depth_at(int column, int row) const {
@@ -33,7 +34,8 @@ private:
 };
 } // namespace
 
-std::vector<float> draw_section(const Camera& camera, const CutPlane& cut, const std::function<double(const Vec3&)>& distance) {
+std::vector<float> draw_section(
+    const Camera& camera, const CutPlane& cut, const std::function<double(const Vec3&)>& distance) {
     const Section section(camera, cut);
     const int width = camera.width(), height = camera.height();
     std::vector<float> depth(std::size_t(width) * std::size_t(height), far_away);

@@ -75,8 +75,7 @@ void ShadowMap::merge(std::span<const float> depth) {
 
 float ShadowMap::light_at(const Vec3f& point, int pattern) const {
     const auto p = camera_.project({point[0], point[1], point[2]});
-    constexpr std::array<std::array<float, 2>, 4> corners{
-        {{-1.f, -1.f}, {1.f, -1.f}, {-1.f, 1.f}, {1.f, 1.f}}};
+    constexpr std::array<std::array<float, 2>, 4> corners{{{-1.f, -1.f}, {1.f, -1.f}, {-1.f, 1.f}, {1.f, 1.f}}};
     constexpr float spread = 1.6f; // [pixels of the map]
     float lit = 0;
     for (const auto& corner : corners) {
@@ -84,8 +83,7 @@ float ShadowMap::light_at(const Vec3f& point, int pattern) const {
         const int column = int(std::floor(p.x + spread * (corner[0] + shift)));
         const int row = int(std::floor(p.y + spread * (corner[1] + lift)));
         const bool outside = column < 0 || row < 0 || column >= buffer_.width || row >= buffer_.height;
-        if (outside || p.depth - bias_ <= buffer_.depth[std::size_t(row) * buffer_.width + column])
-            lit += 0.25f;
+        if (outside || p.depth - bias_ <= buffer_.depth[std::size_t(row) * buffer_.width + column]) lit += 0.25f;
     }
     return lit;
 }
@@ -120,8 +118,8 @@ std::array<std::array<Offset, pairs>, tile * tile> sample_offsets() {
     return offsets;
 }
 
-std::vector<float> average_tiles(const std::vector<float>& raw, const std::vector<float>& depth, int width,
-                                 int height, float reach) {
+std::vector<float> average_tiles(
+    const std::vector<float>& raw, const std::vector<float>& depth, int width, int height, float reach) {
     std::vector<float> smooth(raw.size(), 1.0f);
     for (int row = 0; row < height; ++row)
         for (int column = 0; column < width; ++column) {

@@ -33,7 +33,7 @@ PixelBox pixels_through_lens(const Camera& camera, const std::pair<float, float>
     const double more = 1 + 0.1 * std::max(right - left, bottom - top);
     const auto clamped = [](double v, int side) { return int(std::clamp(v, 0.0, double(side))); };
     return {clamped(std::floor(left - more), camera.width()), clamped(std::ceil(right + more), camera.width()),
-            clamped(std::floor(top - more), camera.height()), clamped(std::ceil(bottom + more), camera.height())};
+        clamped(std::floor(top - more), camera.height()), clamped(std::ceil(bottom + more), camera.height())};
 }
 
 } // namespace
@@ -55,11 +55,10 @@ PixelBox pixels_of(const Camera& camera, const Sphere& s) {
     const auto first = [scale](float v, float half) {
         return int(std::clamp(std::floor(half + scale * v), 0.0f, 2 * half));
     };
-    const auto last = [scale](float v, float half) {
-        return int(std::clamp(std::ceil(half + scale * v), 0.0f, 2 * half));
-    };
+    const auto last = [scale](
+                          float v, float half) { return int(std::clamp(std::ceil(half + scale * v), 0.0f, 2 * half)); };
     return {first(x.first, half_width), last(x.second, half_width), first(y.first, half_height),
-            last(y.second, half_height)};
+        last(y.second, half_height)};
 }
 
 namespace {

@@ -26,12 +26,12 @@ void check(const View& view) {
     };
     if (view.width < 1 || view.height < 1 || view.width > largest_side || view.height > largest_side)
         refuse("picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) + " pixels",
-               "each side must be between 1 and " + std::to_string(largest_side) + " pixels");
+            "each side must be between 1 and " + std::to_string(largest_side) + " pixels");
     if (view.model) return;
     const double angle = view.vertical_field_of_view;
     if (!(angle > 0 && angle < std::numbers::pi))
         refuse("vertical field of view = " + format_number(angle) + " rad: must be between 0 and pi",
-               "0.7 rad is a normal lens");
+            "0.7 rad is a normal lens");
     if (!is_finite(view.position) || !is_finite(view.target) || !is_finite(view.up))
         refuse("position, target or up is not finite", "give numbers in metres");
     const Vec3 direction = view.target - view.position;
@@ -47,8 +47,7 @@ struct Bounds {
 };
 
 Vec3 corner(const DomainBox& box, int i) {
-    return {(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1],
-            (i & 4) ? box.max[2] : box.min[2]};
+    return {(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1], (i & 4) ? box.max[2] : box.min[2]};
 }
 
 Bounds project_corners(const View& view, const DomainBox& box) {
@@ -68,10 +67,9 @@ Bounds project_corners(const View& view, const DomainBox& box) {
 View plane_view(const DomainBox& box, View view) {
     const Vec3 extent = box.max - box.min;
     const double aspect = double(view.width) / view.height;
-    const double height =
-        std::max(extent[1] / (bottom_end - top_end), extent[0] / (right_end - left_end) / aspect);
-    view.target = 0.5 * (box.min + box.max) + height * Vec3{aspect * (0.5 - 0.5 * (left_end + right_end)),
-                                                            0.5 * (top_end + bottom_end) - 0.5, 0};
+    const double height = std::max(extent[1] / (bottom_end - top_end), extent[0] / (right_end - left_end) / aspect);
+    view.target = 0.5 * (box.min + box.max) +
+                  height * Vec3{aspect * (0.5 - 0.5 * (left_end + right_end)), 0.5 * (top_end + bottom_end) - 0.5, 0};
     view.target[2] = 0;
     const double distance = 0.5 * height / std::tan(0.5 * view.vertical_field_of_view);
     view.position = view.target + Vec3{0, 0, distance};
@@ -92,9 +90,9 @@ View space_view(const DomainBox& box, View view) {
         const Bounds b = project_corners(view, box);
         const Camera camera(view);
         const double fill = std::max((b.right - b.left) / ((right_end - left_end) * view.width),
-                                     (b.bottom - b.top) / ((bottom_end - top_end) * view.height));
+            (b.bottom - b.top) / ((bottom_end - top_end) * view.height));
         const Vec3 shift{0.5 * (b.left + b.right) - 0.5 * (left_end + right_end) * view.width,
-                         0.5 * (b.top + b.bottom) - 0.5 * (top_end + bottom_end) * view.height, 0};
+            0.5 * (b.top + b.bottom) - 0.5 * (top_end + bottom_end) * view.height, 0};
         view.target = view.target + (distance / camera.scale()) * camera.direction_to_world(shift);
         distance = std::max(distance * fill, distance - b.nearest + 0.05 * diameter);
     }
@@ -108,7 +106,7 @@ View automatic_view(const DomainBox& box, int width, int height) {
     for (int axis = 0; axis < box.dimensions; ++axis)
         if (!std::isfinite(extent[axis]) || !(extent[axis] > 0))
             throw InputError({"camera", "the domain has no extent along axis " + std::to_string(axis),
-                              "an automatic view shows the whole domain", "give domain.min < domain.max"});
+                "an automatic view shows the whole domain", "give domain.min < domain.max"});
     View view;
     view.width = width;
     view.height = height;
@@ -185,13 +183,9 @@ Camera Camera::enlarged(int factor) const {
     return larger;
 }
 
-Vec3 Camera::direction_to_camera(const Vec3& d) const {
-    return {dot(right_, d), dot(down_, d), dot(forward_, d)};
-}
+Vec3 Camera::direction_to_camera(const Vec3& d) const { return {dot(right_, d), dot(down_, d), dot(forward_, d)}; }
 
-Vec3 Camera::direction_to_world(const Vec3& d) const {
-    return d[0] * right_ + d[1] * down_ + d[2] * forward_;
-}
+Vec3 Camera::direction_to_world(const Vec3& d) const { return d[0] * right_ + d[1] * down_ + d[2] * forward_; }
 
 Vec3 Camera::to_camera(const Vec3& point) const { return direction_to_camera(point - position_); }
 

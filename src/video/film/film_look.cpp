@@ -31,7 +31,9 @@ double value_noise(double x, double y, double cell, std::uint64_t seed) {
     const double u = x / cell, v = y / cell;
     const auto i = static_cast<std::int64_t>(std::floor(u)), j = static_cast<std::int64_t>(std::floor(v));
     const auto at = [&](std::int64_t a, std::int64_t b) {
-        return 2 * uniform(seed ^ (static_cast<std::uint64_t>(a) * 0x8da6b343 + static_cast<std::uint64_t>(b) * 0xd8163841)) - 1;
+        return 2 * uniform(seed ^
+                           (static_cast<std::uint64_t>(a) * 0x8da6b343 + static_cast<std::uint64_t>(b) * 0xd8163841)) -
+               1;
     };
     const auto smooth = [](double t) { return t * t * (3 - 2 * t); };
     const double s = smooth(u - double(i)), t = smooth(v - double(j));
@@ -82,9 +84,12 @@ void blur(cv::Mat& picture, double deviation) {
 } // namespace
 
 double light_of_code(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
-double code_of_light(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055; }
+double code_of_light(double light) {
+    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+}
 
-FilmPainter::FilmPainter(const FilmLook& look, const FilmLight& scenery) : look_(look), background_(make_background(look)) {
+FilmPainter::FilmPainter(const FilmLook& look, const FilmLight& scenery)
+    : look_(look), background_(make_background(look)) {
     cv::setNumThreads(1);
     for (std::size_t i = 0; i < scenery.coverage.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {

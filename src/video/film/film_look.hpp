@@ -11,14 +11,14 @@ namespace treacle::video {
 struct FilmLook {
     int width = 1280, height = 720;
     std::array<double, 3> background{0.6, 0.62, 0.65}; // mean light
-    double texture = 0.15;        // relative amplitude of the background's pattern
-    double uneven_light = 0.1;    // relative fall of the light from the middle to the corners
-    double exposure_drift = 0;    // relative: the exposure goes up and down by it over the clip
-    double blur = 0.8;            // standard deviation of the lens' and the sensor's blur [px]
-    double noise = 1.5;           // standard deviation [grey levels of 255]
-    double shadow = 0;            // darkness of a soft shadow beside the liquid, 0 to 1
-    bool blur_code = false;       // blur the numbers instead of the light, as picture editors do
-    std::array<double, 2> shake{0, 0}; // shift of the whole picture [px]
+    double texture = 0.15;                             // relative amplitude of the background's pattern
+    double uneven_light = 0.1;                         // relative fall of the light from the middle to the corners
+    double exposure_drift = 0;                         // relative: the exposure goes up and down by it over the clip
+    double blur = 0.8;                                 // standard deviation of the lens' and the sensor's blur [px]
+    double noise = 1.5;                                // standard deviation [grey levels of 255]
+    double shadow = 0;                                 // darkness of a soft shadow beside the liquid, 0 to 1
+    bool blur_code = false;                            // blur the numbers instead of the light, as picture editors do
+    std::array<double, 2> shake{0, 0};                 // shift of the whole picture [px]
     std::uint64_t seed = 1;
 };
 

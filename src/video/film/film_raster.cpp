@@ -38,7 +38,9 @@ struct Buffer {
     int width, height;
     std::vector<float> depth, diffuse, highlight;
 
-    Buffer(int w, int h) : width(w), height(h), depth(std::size_t(w) * std::size_t(h), far_away), diffuse(depth.size(), 0), highlight(depth.size(), 0) {}
+    Buffer(int w, int h)
+        : width(w), height(h), depth(std::size_t(w) * std::size_t(h), far_away), diffuse(depth.size(), 0),
+          highlight(depth.size(), 0) {}
     void put(int x, int y, float z, const std::array<float, 2>& light) {
         const auto i = std::size_t(y) * std::size_t(width) + std::size_t(x);
         if (z >= depth[i]) return;
@@ -56,8 +58,10 @@ public:
           projection_(camera, {time, camera.lens().height > 1 ? shot.readout / (camera.lens().height - 1) : 0}),
           buffer_(camera.lens().width * samples_, camera.lens().height * samples_) {
         see_vertices();
-        if (mesh.dimensions == 2) fill_plane();
-        else fill_space();
+        if (mesh.dimensions == 2)
+            fill_plane();
+        else
+            fill_space();
     }
     const Buffer& buffer() const { return buffer_; }
 
@@ -65,10 +69,13 @@ private:
     void see_vertices() {
         const auto count = mesh_.position.size() / 3;
         for (std::size_t i = 0; i < count; ++i) {
-            Corner corner{projection_.see(&mesh_.position[3 * i], mesh_.velocity.empty() ? nullptr : &mesh_.velocity[3 * i]), {1, 0}};
+            Corner corner{
+                projection_.see(&mesh_.position[3 * i], mesh_.velocity.empty() ? nullptr : &mesh_.velocity[3 * i]),
+                {1, 0}};
             if (!mesh_.normal.empty()) {
                 const auto& rotation = projection_.camera().pose().rotation;
-                const Vec3 n = scene::apply(rotation, {mesh_.normal[3 * i], mesh_.normal[3 * i + 1], mesh_.normal[3 * i + 2]});
+                const Vec3 n =
+                    scene::apply(rotation, {mesh_.normal[3 * i], mesh_.normal[3 * i + 1], mesh_.normal[3 * i + 2]});
                 const auto& p = corner.seen.camera;
                 corner.light = shade(n, unit({-p[0], -p[1], -p[2]}));
             }
@@ -79,7 +86,8 @@ private:
     void fill_space() {
         scene::TriangleRaster raster(projection_, samples_);
         for (const auto& t : mesh_.triangles) {
-            const Corner* c[3] = {&corners_[std::size_t(t[0])], &corners_[std::size_t(t[1])], &corners_[std::size_t(t[2])]};
+            const Corner* c[3] = {
+                &corners_[std::size_t(t[0])], &corners_[std::size_t(t[1])], &corners_[std::size_t(t[2])]};
             raster.draw(c[0]->seen, c[1]->seen, c[2]->seen, [&](const scene::RasterSample& sample) {
                 std::array<float, 2> light{0, 0};
                 for (std::size_t k = 0; k < 3; ++k)
@@ -110,7 +118,8 @@ private:
                 turns += row[k].second;
                 if (turns == 0) continue;
                 const int last = std::min(buffer_.width - 1, int(std::ceil(row[k + 1].first)) - 1);
-                for (int i = std::max(0, int(std::ceil(row[k].first))); i <= last; ++i) buffer_.put(i, j, depth, {1, 0});
+                for (int i = std::max(0, int(std::ceil(row[k].first))); i <= last; ++i)
+                    buffer_.put(i, j, depth, {1, 0});
             }
         }
     }
@@ -123,10 +132,12 @@ private:
 };
 } // namespace
 
-FilmDrawing draw_liquid(const FilmMesh& mesh, const CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden) {
+FilmDrawing draw_liquid(
+    const FilmMesh& mesh, const CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden) {
     const int width = camera.lens().width, height = camera.lens().height, n = shot.samples;
     const auto pixels = std::size_t(width) * std::size_t(height);
-    FilmDrawing out{{std::vector<float>(pixels, 0), std::vector<float>(3 * pixels, 0)}, {width, height, std::vector<std::uint8_t>(pixels, mask_background)}, FilmDepth(pixels, far_away)};
+    FilmDrawing out{{std::vector<float>(pixels, 0), std::vector<float>(3 * pixels, 0)},
+        {width, height, std::vector<std::uint8_t>(pixels, mask_background)}, FilmDepth(pixels, far_away)};
     const float weight = 1 / float(n * n * shot.instants);
     for (int instant = 0; instant < shot.instants; ++instant) {
         const double share = shot.instants > 1 ? (instant + 0.5) / shot.instants - 0.5 : 0;
@@ -141,7 +152,8 @@ FilmDrawing draw_liquid(const FilmMesh& mesh, const CameraModel& camera, const F
                     if (buffer.depth[i] >= std::min(front, far_away)) continue;
                     out.light.coverage[pixel] += weight;
                     for (std::size_t c = 0; c < 3; ++c)
-                        out.light.liquid[3 * pixel + c] += weight * (float(shot.colour[c]) * buffer.diffuse[i] + float(shot.gloss) * buffer.highlight[i]);
+                        out.light.liquid[3 * pixel + c] += weight * (float(shot.colour[c]) * buffer.diffuse[i] +
+                                                                        float(shot.gloss) * buffer.highlight[i]);
                     if (2 * instant + 1 != shot.instants || k != n * n / 2) continue;
                     out.mask.pixels[pixel] = mask_liquid;
                     out.depth[pixel] = buffer.depth[i];

@@ -25,7 +25,7 @@ struct FilmShot {
     int instants = 1;    // of the exposure, odd: the middle one makes the mask
     int samples = 3;     // along the edge of a pixel, odd: the middle one is the pixel's centre
     std::array<double, 3> colour{0.05, 0.04, 0.03}; // of the liquid under full light
-    double gloss = 0.1;  // light of highlights
+    double gloss = 0.1;                             // light of highlights
 };
 
 // Obstacles between camera and liquid, in pixels: depth [height][width] [m], 1e30 where nothing is.
@@ -40,13 +40,15 @@ struct FilmDrawing {
 
 // Draws triangles with a depth buffer, by scene::TriangleRaster, seen at the time of their row: without `hidden` the mask is
 // the silhouette of src/surface, bit for bit.
-FilmDrawing draw_liquid(const FilmMesh& mesh, const scene::CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden);
+FilmDrawing draw_liquid(
+    const FilmMesh& mesh, const scene::CameraModel& camera, const FilmShot& shot, const FilmDepth& hidden);
 
 // Solids by the distance from them: spheres are traced along the rays of pixel centres (Hart 1996), from `near` to `far` [m].
 struct FilmScenery {
     FilmLight light;
     FilmDepth depth;
 };
-FilmScenery draw_solids(const scene::CameraModel& camera, const std::function<double(const Vec3&)>& distance, double far);
+FilmScenery draw_solids(
+    const scene::CameraModel& camera, const std::function<double(const Vec3&)>& distance, double far);
 
 } // namespace treacle::video

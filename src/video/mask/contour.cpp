@@ -26,7 +26,8 @@ struct Level {
     cv::Mat field; // CV_32F
 
     double at(double x, double y) const {
-        const int c = std::clamp(int(std::floor(x)), 0, field.cols - 2), r = std::clamp(int(std::floor(y)), 0, field.rows - 2);
+        const int c = std::clamp(int(std::floor(x)), 0, field.cols - 2),
+                  r = std::clamp(int(std::floor(y)), 0, field.rows - 2);
         const double u = x - c, v = y - r;
         const auto f = [&](int row, int column) { return double(field.at<float>(row, column)); };
         return (1 - v) * ((1 - u) * f(r, c) + u * f(r, c + 1)) + v * ((1 - u) * f(r + 1, c) + u * f(r + 1, c + 1));
@@ -66,7 +67,8 @@ bool near_rim(const Mask& mask, const scene::Vec2& p) {
 Silhouette read_silhouette(const std::filesystem::path& path) {
     auto read = read_photo(path);
     if (const auto* unreadable = std::get_if<Unreadable>(&read))
-        throw InputError({path.string(), "cannot be read as a mask", unreadable->reason, "give a PNG with a silhouette in black or white"});
+        throw InputError({path.string(), "cannot be read as a mask", unreadable->reason,
+            "give a PNG with a silhouette in black or white"});
     auto& photo = std::get<Photo>(read);
     Mask mask{photo.width, photo.height, std::move(photo.grey)};
     int light = 0, total = 0;
@@ -79,7 +81,8 @@ Silhouette read_silhouette(const std::filesystem::path& path) {
     const bool dark_silhouette = 2 * light > total;
     for (auto& value : mask.pixels) value = (value > 127) != dark_silhouette ? mask_liquid : mask_background;
     if (mask.area() == 0)
-        throw InputError({path.string(), "holds no silhouette", "all of its pixels have one tone", "give the mask of another frame"});
+        throw InputError({path.string(), "holds no silhouette", "all of its pixels have one tone",
+            "give the mask of another frame"});
     return {path.filename().string(), std::move(mask)};
 }
 
@@ -95,7 +98,8 @@ std::vector<ContourPoint> find_contour(const Mask& mask, const ContourOptions& o
     std::vector<ContourPoint> out;
     int piece = 0;
     for (const auto& outline : outlines) {
-        if (cv::contourArea(outline) < options.least_part * largest || outline.size() < 4 * std::size_t(turn_length)) continue;
+        if (cv::contourArea(outline) < options.least_part * largest || outline.size() < 4 * std::size_t(turn_length))
+            continue;
         std::vector<ContourPoint> points;
         for (const auto& p : outline) {
             ContourPoint point{{double(p.x), double(p.y)}, {0, 0}, piece};

@@ -21,14 +21,15 @@ Silhouette read_silhouette(const std::filesystem::path& path);
 // A point of a silhouette's outline, to sub-pixel accuracy.
 struct ContourPoint {
     scene::Vec2 pixel;
-    scene::Vec2 normal;  // unit, outward
-    int piece = 0;       // outlines are numbered; points of one follow each other, about a pixel apart
+    scene::Vec2 normal; // unit, outward
+    int piece = 0;      // outlines are numbered; points of one follow each other, about a pixel apart
 };
 
 // Options of find_contour.
 struct ContourOptions {
-    double blur = 1.5;        // [pixels] of the Gaussian whose half level is the outline; pixels leave no steps then
-    double sharpest = 40;     // [deg] turn of the normal over 8 pixels above which a point is left out as a corner, which the blur rounds
+    double blur = 1.5; // [pixels] of the Gaussian whose half level is the outline; pixels leave no steps then
+    double sharpest =
+        40; // [deg] turn of the normal over 8 pixels above which a point is left out as a corner, which the blur rounds
     double least_part = 0.02; // outlines around less area than this fraction of the largest are specks
 };
 

@@ -12,13 +12,15 @@ constexpr double blur = 1.5; // [px] as of ContourOptions, so that both contours
 cv::Mat liquid_of(const Mask& mask) {
     cv::Mat out(mask.height, mask.width, CV_8U);
     for (int row = 0; row < mask.height; ++row) {
-        for (int column = 0; column < mask.width; ++column) out.at<std::uint8_t>(row, column) = mask.liquid(column, row) ? 255 : 0;
+        for (int column = 0; column < mask.width; ++column)
+            out.at<std::uint8_t>(row, column) = mask.liquid(column, row) ? 255 : 0;
     }
     return out;
 }
 
 double bilinear(const cv::Mat& field, double x, double y) {
-    const int c = std::clamp(int(std::floor(x)), 0, field.cols - 2), r = std::clamp(int(std::floor(y)), 0, field.rows - 2);
+    const int c = std::clamp(int(std::floor(x)), 0, field.cols - 2),
+              r = std::clamp(int(std::floor(y)), 0, field.rows - 2);
     const double u = std::clamp(x - c, 0.0, 1.0), v = std::clamp(y - r, 0.0, 1.0);
     const auto f = [&](int row, int column) { return double(field.at<float>(row, column)); };
     return (1 - v) * ((1 - u) * f(r, c) + u * f(r, c + 1)) + v * ((1 - u) * f(r + 1, c) + u * f(r + 1, c + 1));
@@ -26,8 +28,8 @@ double bilinear(const cv::Mat& field, double x, double y) {
 } // namespace
 
 struct ContourDistance::Fields {
-    cv::Mat level;            // blurred, 0 to 1
-    cv::Mat inside, outside;  // [px] to the nearest pixel of the other kind
+    cv::Mat level;           // blurred, 0 to 1
+    cv::Mat inside, outside; // [px] to the nearest pixel of the other kind
     bool empty = false, full = false;
     double diagonal = 0;
 };
@@ -64,7 +66,9 @@ double ContourDistance::operator()(const ContourPoint& point) const {
     const double x = point.pixel[0], y = point.pixel[1];
     // Along the normal to the half level, from the point on.
     constexpr double step = 0.5;
-    const auto level = [&](double s) { return bilinear(f.level, x + s * point.normal[0], y + s * point.normal[1]) - 0.5; };
+    const auto level = [&](double s) {
+        return bilinear(f.level, x + s * point.normal[0], y + s * point.normal[1]) - 0.5;
+    };
     const double direction = level(0) >= 0 ? 1 : -1;
     double s = 0, before = level(0);
     while (std::abs(s) < band_ + 2) {
@@ -88,7 +92,8 @@ double ContourDistance::along_normal(const ContourPoint& point, double far) cons
     }
     const double most = far > 0 ? rim : std::min(rim, 4 * std::abs(far));
     for (double s = 0; s < most;) {
-        const double x = point.pixel[0] + direction * s * point.normal[0], y = point.pixel[1] + direction * s * point.normal[1];
+        const double x = point.pixel[0] + direction * s * point.normal[0],
+                     y = point.pixel[1] + direction * s * point.normal[1];
         if ((bilinear(f.level, x, y) >= 0.5) != (far > 0)) return direction * s;
         s += std::max(0.5, bilinear(clear, x, y) - 1);
     }

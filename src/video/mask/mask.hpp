@@ -17,7 +17,8 @@ struct Mask {
 
     // Value of a pixel, one of the mask_ constants; no check of the range.
     std::uint8_t at(int column, int row) const {
-        return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+        return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                      static_cast<std::size_t>(column)];
     }
     bool liquid(int column, int row) const { return at(column, row) == mask_liquid; } // false for excluded pixels
     std::size_t area() const;                                                         // of liquid [px]

@@ -14,7 +14,7 @@ const Codecs& load() {
     void* entry = library ? dlsym(library, "treacle_codecs") : nullptr;
     if (!entry)
         throw SimulationError({module, "the codecs of pictures and movies cannot be loaded", dlerror(),
-                               "keep it beside the program, and install OpenCV's libraries for pictures and videos"});
+            "keep it beside the program, and install OpenCV's libraries for pictures and videos"});
     return *reinterpret_cast<const Codecs* (*)()>(entry)();
 }
 } // namespace

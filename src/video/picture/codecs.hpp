@@ -27,11 +27,12 @@ struct MovieFormat {
 class Codecs {
 public:
     virtual ~Codecs() = default;
-    virtual cv::Mat read(const std::string& path, int flags) const = 0;    // cv::imread: empty when it is no picture
-    virtual cv::Mat decode(const cv::Mat& bytes, int flags) const = 0;     // cv::imdecode
+    virtual cv::Mat read(const std::string& path, int flags) const = 0; // cv::imread: empty when it is no picture
+    virtual cv::Mat decode(const cv::Mat& bytes, int flags) const = 0;  // cv::imdecode
     virtual bool encode_png(const cv::Mat& picture, std::vector<std::uint8_t>& bytes) const = 0;
-    virtual std::unique_ptr<MovieEncoder> encode(const std::string& path, const MovieFormat& format) const = 0; // null: cannot
-    virtual double count_frames(const std::string& movie) const = 0;       // 0 when it cannot be read
+    virtual std::unique_ptr<MovieEncoder> encode(
+        const std::string& path, const MovieFormat& format) const = 0; // null: cannot
+    virtual double count_frames(const std::string& movie) const = 0;   // 0 when it cannot be read
 };
 
 // Loads the module. SimulationError when it cannot be loaded.

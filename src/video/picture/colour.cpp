@@ -10,23 +10,10 @@ namespace treacle::video {
 
 namespace {
 // Control points at equal distances; between them colours are mixed in a space that is even to the eye.
-constexpr std::array<Rgb8, 10> viridis_points{{{68, 1, 84},
-                                               {72, 40, 120},
-                                               {62, 74, 137},
-                                               {49, 104, 142},
-                                               {38, 130, 142},
-                                               {31, 158, 137},
-                                               {53, 183, 121},
-                                               {109, 205, 89},
-                                               {180, 222, 44},
-                                               {253, 231, 37}}};
-constexpr std::array<Rgb8, 7> diverging_points{{{28, 62, 128},
-                                                {62, 122, 185},
-                                                {158, 196, 221},
-                                                {242, 240, 236},
-                                                {232, 174, 140},
-                                                {202, 92, 70},
-                                                {128, 24, 42}}};
+constexpr std::array<Rgb8, 10> viridis_points{{{68, 1, 84}, {72, 40, 120}, {62, 74, 137}, {49, 104, 142},
+    {38, 130, 142}, {31, 158, 137}, {53, 183, 121}, {109, 205, 89}, {180, 222, 44}, {253, 231, 37}}};
+constexpr std::array<Rgb8, 7> diverging_points{
+    {{28, 62, 128}, {62, 122, 185}, {158, 196, 221}, {242, 240, 236}, {232, 174, 140}, {202, 92, 70}, {128, 24, 42}}};
 
 float decode(std::uint8_t value) {
     const float v = value / 255.0f;
@@ -45,8 +32,8 @@ Vec3f to_oklab(const Vec3f& c) {
     const float m = std::cbrt(0.2119034982f * c[0] + 0.6806995451f * c[1] + 0.1073969566f * c[2]);
     const float s = std::cbrt(0.0883024619f * c[0] + 0.2817188376f * c[1] + 0.6299787005f * c[2]);
     return {0.2104542553f * l + 0.7936177850f * m - 0.0040720468f * s,
-            1.9779984951f * l - 2.4285922050f * m + 0.4505937099f * s,
-            0.0259040371f * l + 0.7827717662f * m - 0.8086757660f * s};
+        1.9779984951f * l - 2.4285922050f * m + 0.4505937099f * s,
+        0.0259040371f * l + 0.7827717662f * m - 0.8086757660f * s};
 }
 
 Vec3f from_oklab(const Vec3f& c) {
@@ -55,8 +42,8 @@ Vec3f from_oklab(const Vec3f& c) {
     const float m = cube(c[0] - 0.1055613458f * c[1] - 0.0638541728f * c[2]);
     const float s = cube(c[0] - 0.0894841775f * c[1] - 1.2914855480f * c[2]);
     return {4.0767416621f * l - 3.3077115913f * m + 0.2309699292f * s,
-            -1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s,
-            -0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s};
+        -1.2684380046f * l + 2.6097574011f * m - 0.3413193965f * s,
+        -0.0041960863f * l - 0.7034186147f * m + 1.7076147010f * s};
 }
 
 Rgb8 between(std::span<const Rgb8> points, double t) {
@@ -78,8 +65,8 @@ Rgb8 to_display(const Vec3f& linear) { return {encode(linear[0]), encode(linear[
 ValueRange robust_range(std::span<const double> values, ColourMap map) {
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!std::isfinite(values[i]))
-            throw SimulationError({"picture", "the value of particle " + std::to_string(i) + " is not finite",
-                                   "", "draw an earlier frame, or another field"});
+            throw SimulationError({"picture", "the value of particle " + std::to_string(i) + " is not finite", "",
+                "draw an earlier frame, or another field"});
     if (values.empty()) return {0, 1};
     std::vector<double> sorted(values.begin(), values.end());
     const auto percentile = [&](double share) {

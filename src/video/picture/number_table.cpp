@@ -23,8 +23,10 @@ std::vector<std::string> split(const std::string& line) {
     bool bracket = false;
     for (const char c : line) {
         bracket = c == '[' || (bracket && c != ']');
-        if (marked ? c == ',' || c == ';' || c == '\t' : c == ' ' && !bracket) out.emplace_back();
-        else out.back() += c;
+        if (marked ? c == ',' || c == ';' || c == '\t' : c == ' ' && !bracket)
+            out.emplace_back();
+        else
+            out.back() += c;
     }
     for (auto& word : out) word = trimmed(word);
     if (marked) return out;
@@ -53,20 +55,23 @@ NumberTable::NumberTable(const std::filesystem::path& path) : path_(path) {
             header_ = number;
             for (const auto& word : words) {
                 const auto bracket = word.find('['), end = word.find(']');
-                columns_.push_back({trimmed(word.substr(0, bracket)), bracket == std::string::npos ? "" : trimmed(word.substr(bracket + 1, end - bracket - 1)), {}});
+                columns_.push_back({trimmed(word.substr(0, bracket)),
+                    bracket == std::string::npos ? "" : trimmed(word.substr(bracket + 1, end - bracket - 1)), {}});
             }
             continue;
         }
         if (words.size() != columns_.size())
             throw InputError({where_line(number), "has " + std::to_string(words.size()) + " values",
-                              "the header names " + std::to_string(columns_.size()), "give one for each column"});
+                "the header names " + std::to_string(columns_.size()), "give one for each column"});
         lines_.push_back(number);
         for (std::size_t i = 0; i < words.size(); ++i) columns_[i].values.push_back(words[i]);
     }
     if (columns_.empty()) throw InputError({path.string(), "is empty", "", "name the columns in the first line"});
 }
 
-bool NumberTable::has(const std::string& name) const { return std::ranges::find(columns_, name, &Column::name) != columns_.end(); }
+bool NumberTable::has(const std::string& name) const {
+    return std::ranges::find(columns_, name, &Column::name) != columns_.end();
+}
 
 std::string NumberTable::where(std::size_t row) const { return where_line(lines_[row]); }
 
@@ -74,11 +79,13 @@ double NumberTable::factor(const Column& column, const Unit& unit) const {
     if (column.unit.empty()) return 1;
     if (unit.si.empty()) {
         if (column.unit == "px" || column.unit == "pixels" || column.unit == "pixel") return 1;
-        throw InputError({where_line(header_), column.name + " [" + column.unit + "] must be a plain number", "it has no unit", "leave the brackets out"});
+        throw InputError({where_line(header_), column.name + " [" + column.unit + "] must be a plain number",
+            "it has no unit", "leave the brackets out"});
     }
     const auto read = read_quantity("1 " + column.unit, unit);
     if (const auto* complaint = std::get_if<Complaint>(&read))
-        throw InputError({where_line(header_), column.name + " [" + column.unit + "] " + complaint->must, complaint->reason, complaint->cure});
+        throw InputError({where_line(header_), column.name + " [" + column.unit + "] " + complaint->must,
+            complaint->reason, complaint->cure});
     return std::get<double>(read);
 }
 
@@ -87,15 +94,16 @@ std::vector<double> NumberTable::column(const std::string& name, const Unit& uni
     if (found == columns_.end()) {
         std::vector<std::string> names;
         for (const auto& column : columns_) names.push_back(column.name);
-        throw InputError({where_line(header_), "the column " + name + " is missing", "its columns are " + join(names, ", "),
-                          "name the columns in the first line"});
+        throw InputError({where_line(header_), "the column " + name + " is missing",
+            "its columns are " + join(names, ", "), "name the columns in the first line"});
     }
     const double scale = factor(*found, unit);
     std::vector<double> out;
     for (std::size_t row = 0; row < rows(); ++row) {
         const auto value = read_number(found->values[row]);
         if (!value || !std::isfinite(*value))
-            throw InputError({where(row), "\"" + shorten(found->values[row]) + "\" is no number", "", "write numbers; units stand in the header"});
+            throw InputError({where(row), "\"" + shorten(found->values[row]) + "\" is no number", "",
+                "write numbers; units stand in the header"});
         out.push_back(scale * *value);
     }
     return out;

@@ -26,8 +26,8 @@ std::string extension_of(const fs::path& path) {
 }
 
 bool is_picture(const fs::path& path) {
-    static const std::set<std::string> known{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp",
-                                             ".webp", ".pgm",  ".ppm", ".jp2", ".heic", ".heif"};
+    static const std::set<std::string> known{
+        ".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm", ".jp2", ".heic", ".heif"};
     return known.contains(extension_of(path));
 }
 
@@ -54,7 +54,8 @@ bool is_heic(const Bytes& bytes) {
 bool is_cut_off(const Bytes& bytes) {
     using namespace std::string_view_literals;
     const std::string_view all(bytes.data(), bytes.size());
-    if (holds(bytes, 0, "\xff\xd8"sv)) return all.find("\xff\xd9"sv, all.size() > 4096 ? all.size() - 4096 : 0) == all.npos;
+    if (holds(bytes, 0, "\xff\xd8"sv))
+        return all.find("\xff\xd9"sv, all.size() > 4096 ? all.size() - 4096 : 0) == all.npos;
     if (holds(bytes, 0, "\x89PNG"sv)) return all.rfind("IEND") == all.npos;
     return false;
 }
@@ -65,13 +66,14 @@ std::variant<Photo, Unreadable> read_photo(const fs::path& path) {
     const Bytes bytes = read_bytes(path);
     if (is_heic(bytes))
         throw InputError({path.string(), "is a HEIC picture, which this program cannot read",
-                          "phones store them unless told otherwise",
-                          "convert it to JPEG or PNG, or choose \"most compatible\" in the phone's camera settings"});
+            "phones store them unless told otherwise",
+            "convert it to JPEG or PNG, or choose \"most compatible\" in the phone's camera settings"});
     if (bytes.empty()) return Unreadable{"the file is empty"};
     if (is_cut_off(bytes)) return Unreadable{"the file is cut off"};
     cv::Mat grey;
     try {
-        grey = codecs().decode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), cv::IMREAD_GRAYSCALE);
+        grey = codecs().decode(
+            cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), cv::IMREAD_GRAYSCALE);
     } catch (const cv::Exception&) {
     }
     if (grey.empty()) return Unreadable{"not a picture that can be decoded"};
@@ -93,7 +95,8 @@ std::vector<fs::path> list_pictures(const std::vector<fs::path>& given) {
         for (const auto& entry : fs::directory_iterator(path))
             if (entry.is_regular_file() && is_picture(entry.path())) inside.push_back(entry.path());
         if (inside.empty())
-            throw InputError({path.string(), "holds no pictures", "looked for JPEG, PNG, TIFF, BMP, WebP", "give another folder"});
+            throw InputError(
+                {path.string(), "holds no pictures", "looked for JPEG, PNG, TIFF, BMP, WebP", "give another folder"});
         std::ranges::sort(inside);
         out.insert(out.end(), inside.begin(), inside.end());
     }

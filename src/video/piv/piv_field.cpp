@@ -43,7 +43,8 @@ double number(std::string word, bool decimal_comma, const std::string& where) {
     if (decimal_comma) std::ranges::replace(word, ',', '.');
     if (lower(word) == "nan" || lower(word) == "-nan" || lower(word) == "+nan") return none;
     if (const auto value = read_number(word)) return *value;
-    throw InputError({where, shorten(word) + " is no number", "a vector is expected here", "the file may be of another program, or damaged"});
+    throw InputError({where, shorten(word) + " is no number", "a vector is expected here",
+        "the file may be of another program, or damaged"});
 }
 
 // Columns of a vector.
@@ -61,8 +62,8 @@ void read_rows(const Lines& lines, std::size_t first, const Columns& columns, Pi
         const auto words = split_words(lines.text[i], columns.separators);
         if (words.empty() || words.front().front() == '#') continue;
         if (words.size() < columns.count || (!columns.more_may_follow && words.size() > columns.count)) {
-            throw InputError({lines.where(i), "has " + std::to_string(words.size()) + " values", std::to_string(columns.count) + " are expected",
-                              "the file may be cut off or damaged"});
+            throw InputError({lines.where(i), "has " + std::to_string(words.size()) + " values",
+                std::to_string(columns.count) + " are expected", "the file may be cut off or damaged"});
         }
         const auto at = [&](std::size_t c) { return number(words[c], columns.decimal_comma, lines.where(i)); };
         const double u = at(columns.u), v = at(columns.v);
@@ -77,7 +78,9 @@ void read_rows(const Lines& lines, std::size_t first, const Columns& columns, Pi
         out.v.push_back(v);
         out.valid.push_back(valid ? 1 : 0);
     }
-    if (out.x.empty()) throw InputError({lines.path.string(), "holds no vector", "its format is taken for that of " + out.format, "check the file"});
+    if (out.x.empty())
+        throw InputError({lines.path.string(), "holds no vector", "its format is taken for that of " + out.format,
+            "check the file"});
 }
 
 // The texts between quotes.
@@ -117,7 +120,8 @@ PivField read_insight(const Lines& lines) {
     out.format = "Insight";
     const auto& head = lines.text.front();
     const auto from = head.find("VARIABLES=");
-    if (from == std::string::npos) throw InputError({lines.where(0), "names no VARIABLES", "a file of Insight does", "check the file"});
+    if (from == std::string::npos)
+        throw InputError({lines.where(0), "names no VARIABLES", "a file of Insight does", "check the file"});
     const auto to = std::min(head.find("DATASETAUXDATA", from), head.find("ZONE", from));
     const auto names = quoted(head.substr(from, to == std::string::npos ? to : to - from));
     Columns columns;
@@ -138,7 +142,9 @@ PivField read_insight(const Lines& lines) {
         if (name == "chc") columns.invalid_below_zero = i;
     }
     for (const bool one : found) {
-        if (!one) throw InputError({lines.where(0), "lacks one of X, Y, U, V", "its variables are " + join(names, ", "), "export them"});
+        if (!one)
+            throw InputError(
+                {lines.where(0), "lacks one of X, Y, U, V", "its variables are " + join(names, ", "), "export them"});
     }
     out.length_unit = unit_behind(names[columns.x]);
     out.velocity_unit = unit_behind(names[columns.u]);
@@ -163,7 +169,8 @@ PivField read_named(const Lines& lines, std::size_t header, const std::string& s
         auto name = lower(names[i].substr(0, bracket));
         name.erase(name.find_last_not_of(" \t") + 1);
         name.erase(0, std::min(name.find_first_not_of(" \t"), name.size()));
-        const auto unit = bracket == std::string::npos ? "" : names[i].substr(bracket + 1, names[i].find(']', bracket) - bracket - 1);
+        const auto unit =
+            bracket == std::string::npos ? "" : names[i].substr(bracket + 1, names[i].find(']', bracket) - bracket - 1);
         const auto take = [&](const char* wanted, std::size_t& column, int k) {
             if (name != wanted) return false;
             column = i;
@@ -179,7 +186,8 @@ PivField read_named(const Lines& lines, std::size_t header, const std::string& s
     }
     for (const bool one : found) {
         if (!one) {
-            throw InputError({lines.where(header), "has no columns x, y, u and v", "it names " + join(names, ", "), "write for instance x [mm],y [mm],u [m/s],v [m/s]"});
+            throw InputError({lines.where(header), "has no columns x, y, u and v", "it names " + join(names, ", "),
+                "write for instance x [mm],y [mm],u [m/s],v [m/s]"});
         }
     }
     read_rows(lines, header + 1, columns, out);
@@ -204,7 +212,8 @@ std::optional<double> factor_of(const std::string& text, const Unit& unit) {
 
 bool is_pixels(const std::string& unit) {
     const auto name = lower(unit);
-    return name == "px" || name == "pixel" || name == "pixels" || name == "px/frame" || name == "pixel/frame" || name == "pixels/frame";
+    return name == "px" || name == "pixel" || name == "pixels" || name == "px/frame" || name == "pixel/frame" ||
+           name == "pixels/frame";
 }
 } // namespace
 
@@ -220,13 +229,14 @@ PivField read_piv_text(const std::filesystem::path& path) {
     if (line.starts_with("TITLE=")) return read_insight(lines);
     if (line.starts_with("#")) return read_named(lines, first, " \t", "OpenPIV");
     const auto start = line.find_first_not_of(" \t");
-    const bool numeric = std::isdigit(static_cast<unsigned char>(line[start])) || line[start] == '-' || line[start] == '+' || line[start] == '.';
+    const bool numeric = std::isdigit(static_cast<unsigned char>(line[start])) || line[start] == '-' ||
+                         line[start] == '+' || line[start] == '.';
     if (numeric) return read_bare(lines, first);
     for (const char* separator : {",", ";", "\t"}) {
         if (line.find(*separator) != std::string::npos) return read_named(lines, first, separator, "CSV");
     }
     throw InputError({lines.where(first), "is no header of a file with velocities", "it begins with " + shorten(line),
-                      "text of DaVis, Insight and OpenPIV is read, and CSV with columns x, y, u, v"});
+        "text of DaVis, Insight and OpenPIV is read, and CSV with columns x, y, u, v"});
 }
 
 PivField in_si(PivField field, const PivScale& scale, const std::string& where) {
@@ -236,18 +246,25 @@ PivField in_si(PivField field, const PivScale& scale, const std::string& where) 
     const bool pixels = is_pixels(field.length_unit), pixel_speed = is_pixels(field.velocity_unit);
     if (field.length_unit.empty() || field.velocity_unit.empty()) {
         if (!(scale.pixel > 0 && scale.interval > 0)) {
-            refuse("does not say its units", "state the size of a pixel and the interval of the frames, if they are pixels; else write a CSV with units");
+            refuse("does not say its units", "state the size of a pixel and the interval of the frames, if they are "
+                                             "pixels; else write a CSV with units");
         }
     } else if ((pixels || pixel_speed) && !(scale.pixel > 0)) {
         refuse("is in pixels, whose size is not given", "state the length of a pixel");
     } else if (pixel_speed && !(scale.interval > 0)) {
-        refuse("has displacements in pixels, and the interval of the frames is not given", "state the time between the two pictures of a pair");
+        refuse("has displacements in pixels, and the interval of the frames is not given",
+            "state the time between the two pictures of a pair");
     }
     const bool bare = field.length_unit.empty() || field.velocity_unit.empty();
     const auto length = bare || pixels ? std::optional(scale.pixel) : factor_of(field.length_unit, unit::length);
-    const auto speed = bare || pixel_speed ? std::optional(scale.pixel / scale.interval) : factor_of(field.velocity_unit, unit::velocity);
-    const double by_length = length ? *length : refuse("has places in " + field.length_unit + ", which is no length", "export them in mm or pixels");
-    const double by_speed = speed ? *speed : refuse("has velocities in " + field.velocity_unit + ", which is no velocity", "export them in m/s or pixels");
+    const auto speed = bare || pixel_speed ? std::optional(scale.pixel / scale.interval)
+                                           : factor_of(field.velocity_unit, unit::velocity);
+    const double by_length =
+        length ? *length
+               : refuse("has places in " + field.length_unit + ", which is no length", "export them in mm or pixels");
+    const double by_speed = speed ? *speed
+                                  : refuse("has velocities in " + field.velocity_unit + ", which is no velocity",
+                                        "export them in m/s or pixels");
     for (auto* list : {&field.x, &field.y}) {
         for (auto& value : *list) value *= by_length;
     }
@@ -268,7 +285,8 @@ std::size_t reject_sudden(std::vector<PivField>& frames, double change, double f
         const auto &before = frames[middle - 1], &now = frames[middle], &after = frames[middle + 1];
         auto verdict = frames[f].valid;
         for (std::size_t i = 0; i < verdict.size(); ++i) {
-            if (!verdict[i] || !before.valid[i] || !now.valid[i] || !after.valid[i]) continue; // nothing to hold it against
+            if (!verdict[i] || !before.valid[i] || !now.valid[i] || !after.valid[i])
+                continue; // nothing to hold it against
             const double du = after.u[i] - 2 * now.u[i] + before.u[i], dv = after.v[i] - 2 * now.v[i] + before.v[i];
             if (std::hypot(du, dv) < change * std::hypot(frames[f].u[i], frames[f].v[i]) + floor) continue;
             verdict[i] = 0;

@@ -10,7 +10,8 @@ namespace treacle::video {
 struct PivField {
     std::vector<double> x, y; // [n] in length_unit
     std::vector<double> u, v; // [n] in velocity_unit
-    std::vector<std::uint8_t> valid; // [n] 0: not measured, masked, or rejected by the program that wrote it; u, v may be NaN
+    std::vector<std::uint8_t>
+        valid;                 // [n] 0: not measured, masked, or rejected by the program that wrote it; u, v may be NaN
     std::string length_unit;   // "mm", "px"; empty: not stated in the file
     std::string velocity_unit; // "m/s", "px/frame"; empty likewise
     std::string format;        // "DaVis", "Insight", "OpenPIV", "OpenPIV without header", "CSV"

@@ -39,7 +39,9 @@ double slope(const std::vector<Neighbour>& around, long Neighbour::*along, long 
     for (const auto& a : around) {
         for (const auto& b : around) {
             const long steps = b.*along - a.*along;
-            const bool between = steps == 2 && std::ranges::any_of(around, [&](const Neighbour& c) { return c.*across == a.*across && c.*along == a.*along + 1; });
+            const bool between = steps == 2 && std::ranges::any_of(around, [&](const Neighbour& c) {
+                return c.*across == a.*across && c.*along == a.*along + 1;
+            });
             if (a.*across == b.*across && steps > 0 && !between) slopes.push_back((b.value - a.value) / double(steps));
         }
     }
@@ -49,9 +51,11 @@ double slope(const std::vector<Neighbour>& around, long Neighbour::*along, long 
 // Difference of a component from the neighbours' median over their own scatter, both without the field's slope: at a rim the
 // neighbours lie to one side.
 double oddness(double value, const std::vector<Neighbour>& neighbours, double noise) {
-    const double by_column = slope(neighbours, &Neighbour::column, &Neighbour::row), by_row = slope(neighbours, &Neighbour::row, &Neighbour::column);
+    const double by_column = slope(neighbours, &Neighbour::column, &Neighbour::row),
+                 by_row = slope(neighbours, &Neighbour::row, &Neighbour::column);
     std::vector<double> around;
-    for (const auto& one : neighbours) around.push_back(one.value - double(one.column) * by_column - double(one.row) * by_row);
+    for (const auto& one : neighbours)
+        around.push_back(one.value - double(one.column) * by_column - double(one.row) * by_row);
     auto work = around;
     const double centre = median(work);
     for (std::size_t i = 0; i < work.size(); ++i) work[i] = std::abs(around[i] - centre);
@@ -63,7 +67,9 @@ std::size_t reject_odd(PivField& field, double threshold, double noise) {
     constexpr std::size_t fewest = 3;
     if (field.x.size() < 2) return 0;
     const double dx = grid_width(field.x), dy = grid_width(field.y);
-    const auto cell = [&](std::size_t i) { return std::pair(std::lround(field.x[i] / dx), std::lround(field.y[i] / dy)); };
+    const auto cell = [&](std::size_t i) {
+        return std::pair(std::lround(field.x[i] / dx), std::lround(field.y[i] / dy));
+    };
     std::map<std::pair<long, long>, std::size_t> places;
     for (std::size_t i = 0; i < field.x.size(); ++i) {
         if (field.valid[i]) places.emplace(cell(i), i);

@@ -7,10 +7,10 @@ namespace treacle::video {
 
 namespace {
 
-constexpr double white = 0.1;               // part of the variance without correlation
-constexpr std::size_t most_equations = 240; // more are thinned out
-constexpr double edge_turn = 0.2;           // of the normal, within an edge
-constexpr double edge_length = 400;         // [pixels]
+constexpr double white = 0.1;                        // part of the variance without correlation
+constexpr std::size_t most_equations = 240;          // more are thinned out
+constexpr double edge_turn = 0.2;                    // of the normal, within an edge
+constexpr double edge_length = 400;                  // [pixels]
 constexpr double lengths[] = {3, 6, 12, 22, 40, 70}; // L [pixels]
 constexpr double shares[] = {0.15, 0.35, 0.6};       // g
 // [pixels] shared error of an edge that residuals do not show, as the fit takes it up: steps of pixels make 0.29 along rows
@@ -47,7 +47,8 @@ cv::Mat correlations(const std::vector<OutlineEquation>& equations, const NoiseM
     cv::Mat out(n, n, CV_64F);
     for (int i = 0; i < n; ++i)
         for (int j = 0; j <= i; ++j)
-            out.at<double>(i, j) = out.at<double>(j, i) = i == j ? 1 : model.correlation(equations[std::size_t(i)], equations[std::size_t(j)]);
+            out.at<double>(i, j) = out.at<double>(j, i) =
+                i == j ? 1 : model.correlation(equations[std::size_t(i)], equations[std::size_t(j)]);
     return out;
 }
 
@@ -93,7 +94,8 @@ struct Candidate {
     PoseMatrix covariance;
 };
 
-Candidate judge(const std::vector<OutlineEquation>& equations, const NoiseModel& model, const PoseMatrix& prior, const PoseVector& mean) {
+Candidate judge(const std::vector<OutlineEquation>& equations, const NoiseModel& model, const PoseMatrix& prior,
+    const PoseVector& mean) {
     const int n = int(equations.size()), p = 6;
     cv::Mat lower = correlations(equations, model);
     const double spread = cv::sum(lower)[0]; // n^2 / spread: independent pieces for a mean
@@ -123,7 +125,8 @@ Candidate judge(const std::vector<OutlineEquation>& equations, const NoiseModel&
     for (int i = 0; i < p; ++i)
         for (int j = 0; j < p; ++j) unit(i, j) = information(i, j) / std::sqrt(information(i, i) * information(j, j));
     for (int i = 0; i < p; ++i) scaled += std::log(information(i, i));
-    out.likelihood = -0.5 * ((n - p) * std::log(out.variance) + determinant + scaled + std::log(std::max(cv::determinant(unit), 1e-300)));
+    out.likelihood = -0.5 * ((n - p) * std::log(out.variance) + determinant + scaled +
+                                std::log(std::max(cv::determinant(unit), 1e-300)));
     out.pieces = double(n) * n / spread;
     out.covariance = inverse((1 / out.variance) * information + prior);
     const cv::Matx<double, 6, 1> pull = prior * mean;
@@ -139,7 +142,9 @@ PoseMatrix error_of_edges(const std::vector<OutlineEquation>& equations, const C
     factorise(lower);
     for (int i = 0; i < n; ++i) {
         for (int k = 0; k < 6; ++k) rows.at<double>(i, k) = equations[std::size_t(i)].row(k);
-        for (int j = 0; j < n; ++j) shared.at<double>(i, j) = edge_error * edge_error * edge_correlation(equations[std::size_t(i)], equations[std::size_t(j)]);
+        for (int j = 0; j < n; ++j)
+            shared.at<double>(i, j) =
+                edge_error * edge_error * edge_correlation(equations[std::size_t(i)], equations[std::size_t(j)]);
     }
     // L^-1 J and L^-1 E L^-T.
     const cv::Mat whitened = solve_lower(lower, rows);

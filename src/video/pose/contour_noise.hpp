@@ -9,8 +9,8 @@ namespace treacle::video {
 
 // d_i + J_i x = error, at points of an outline.
 struct OutlineEquation {
-    double displacement = 0;     // [pixels]
-    cv::Matx<double, 1, 6> row;  // J
+    double displacement = 0;    // [pixels]
+    cv::Matx<double, 1, 6> row; // J
     scene::Vec2 pixel{0, 0}, normal{0, 0};
 };
 

@@ -15,10 +15,10 @@ namespace treacle::video {
 namespace {
 
 constexpr int rounds = 22, last_rounds = 3; // the last ones with correlated errors
-constexpr double coarse_correlation = 25;    // [points] of the rounds before
-constexpr double narrowest = 4;   // [pixels] of the search, or five deviations
-constexpr double tukey = 4.685;   // deviations beyond which a point has no weight
-constexpr double floor_noise = 0.1; // [pixels] of outlines of masks
+constexpr double coarse_correlation = 25;   // [points] of the rounds before
+constexpr double narrowest = 4;             // [pixels] of the search, or five deviations
+constexpr double tukey = 4.685;             // deviations beyond which a point has no weight
+constexpr double floor_noise = 0.1;         // [pixels] of outlines of masks
 
 // Position of the solid's outline along the normal of a point of the silhouette's outline.
 struct Match {
@@ -29,7 +29,8 @@ struct Match {
 
 // Follows the normal from where rays hit the solid to where they pass it. The distance at which a ray passes, over that
 // of a pixel, gives the distance outside of the outline: two or three steps reach it.
-bool find_outline(const scene::CameraModel& camera, const SeenSolid& solid, const ContourPoint& point, double search, Match& match) {
+bool find_outline(
+    const scene::CameraModel& camera, const SeenSolid& solid, const ContourPoint& point, double search, Match& match) {
     const double focal = 0.5 * (camera.lens().fx + camera.lens().fy);
     const auto look = [&](double s) {
         const auto ray = ray_of(camera, {point.pixel[0] + s * point.normal[0], point.pixel[1] + s * point.normal[1]});
@@ -38,8 +39,10 @@ bool find_outline(const scene::CameraModel& camera, const SeenSolid& solid, cons
     };
     double inside = -search, outside = search;
     auto [at, place] = look(0);
-    if (at.hits) inside = 0;
-    else outside = 0;
+    if (at.hits)
+        inside = 0;
+    else
+        outside = 0;
     // The end of the bracket that is not known is stepped to in growing steps.
     for (double step = std::min(2.0, search); at.hits ? outside == search : inside == -search; step *= 2) {
         const double s = at.hits ? std::min(inside + step, search) : std::max(outside - step, -search);
@@ -65,13 +68,14 @@ bool find_outline(const scene::CameraModel& camera, const SeenSolid& solid, cons
     return true;
 }
 
-std::vector<Match> match_outlines(const scene::CameraModel& camera, const SeenSolid& solid, const std::vector<ContourPoint>& contour,
-                                  double search, std::size_t stride) {
+std::vector<Match> match_outlines(const scene::CameraModel& camera, const SeenSolid& solid,
+    const std::vector<ContourPoint>& contour, double search, std::size_t stride) {
     std::vector<Match> out;
     for (std::size_t i = 0; i < contour.size(); i += stride) {
         Match match;
         match.point = i;
-        if (find_outline(camera, solid, contour[i], search, match) && camera.to_camera(match.foot)[2] > scene::CameraModel::near_plane)
+        if (find_outline(camera, solid, contour[i], search, match) &&
+            camera.to_camera(match.foot)[2] > scene::CameraModel::near_plane)
             out.push_back(match);
     }
     return out;
@@ -104,8 +108,8 @@ struct Normal {
 };
 
 // Equations of sum w (d + n . J x)^2.
-Normal equations(const scene::CameraModel& camera, const std::vector<ContourPoint>& contour, const std::vector<Match>& matches,
-                 double deviation, bool with_lens) {
+Normal equations(const scene::CameraModel& camera, const std::vector<ContourPoint>& contour,
+    const std::vector<Match>& matches, double deviation, bool with_lens) {
     Normal out;
     for (const auto& match : matches) {
         const double w = weight_of(match.displacement, deviation);
@@ -124,13 +128,15 @@ Normal equations(const scene::CameraModel& camera, const std::vector<ContourPoin
 }
 
 // The equations of the points that fit, for the estimate with correlated errors.
-std::vector<OutlineEquation> fitting_equations(const scene::CameraModel& camera, const std::vector<ContourPoint>& contour,
-                                               const std::vector<Match>& matches, double deviation) {
+std::vector<OutlineEquation> fitting_equations(const scene::CameraModel& camera,
+    const std::vector<ContourPoint>& contour, const std::vector<Match>& matches, double deviation) {
     std::vector<OutlineEquation> out;
     for (const auto& match : matches) {
         if (std::abs(match.displacement) > 4 * deviation) continue;
         const auto& point = contour[match.point];
-        out.push_back({match.displacement, cv::Matx<double, 1, 2>(point.normal[0], point.normal[1]) * pixel_jacobian(camera, match.foot), point.pixel, point.normal});
+        out.push_back({match.displacement,
+            cv::Matx<double, 1, 2>(point.normal[0], point.normal[1]) * pixel_jacobian(camera, match.foot), point.pixel,
+            point.normal});
     }
     return out;
 }
@@ -151,11 +157,15 @@ PoseVector change_between(const scene::CameraPose& from, const scene::CameraPose
 
 class ContourRefinement {
 public:
-    ContourRefinement(const CameraRecord& start, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options)
-        : start_(start), solid_(solid), silhouette_(silhouette), options_(options), contour_(find_contour(silhouette.mask)),
-          prior_(prior_of(start, options)), pose_(*start.pose), search_(options.search), deviation_(options.search) {}
+    ContourRefinement(const CameraRecord& start, const SeenSolid& solid, const Silhouette& silhouette,
+        const ContourPoseOptions& options)
+        : start_(start), solid_(solid), silhouette_(silhouette), options_(options),
+          contour_(find_contour(silhouette.mask)), prior_(prior_of(start, options)), pose_(*start.pose),
+          search_(options.search), deviation_(options.search) {}
 
-    double overlap_now() const { return overlap(look_at(unchecked_camera(start_.lens, pose_), {solid_}).mask(), silhouette_.mask); }
+    double overlap_now() const {
+        return overlap(look_at(unchecked_camera(start_.lens, pose_), {solid_}).mask(), silhouette_.mask);
+    }
     void run() {
         for (int round = 0; round < rounds; ++round) {
             const auto camera = unchecked_camera(start_.lens, pose_);
@@ -197,16 +207,18 @@ private:
     void match(const scene::CameraModel& camera, std::size_t stride) {
         matches_ = match_outlines(camera, solid_, contour_, search_, stride);
         if (matches_.size() < 20)
-            throw InputError({silhouette_.name, "the outline of " + solid_.name + " lies nowhere near that of the silhouette",
-                              "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
+            throw InputError(
+                {silhouette_.name, "the outline of " + solid_.name + " lies nowhere near that of the silhouette",
+                    "the pose is too far off, or the frame shows something else",
+                    "look at the overlay; give a better pose by points"});
         deviation_ = spread_of(matches_);
     }
     // Coarse step, of points that are taken to have one correlation.
     void step(const scene::CameraModel& camera, const PoseVector& to_start) {
         normal_ = equations(camera, contour_, matches_, deviation_, false);
         const double variance = deviation_ * deviation_ * coarse_correlation;
-        const cv::Matx<double, 6, 1> step =
-            inverse((1 / variance) * normal_.information + prior_) * ((1 / variance) * normal_.gradient + PoseVector((prior_ * to_start).val));
+        const cv::Matx<double, 6, 1> step = inverse((1 / variance) * normal_.information + prior_) *
+                                            ((1 / variance) * normal_.gradient + PoseVector((prior_ * to_start).val));
         pose_ = changed(pose_, PoseVector(step.val));
     }
     PoseMatrix covariance() const {
@@ -233,7 +245,8 @@ private:
 
 } // namespace
 
-ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options) {
+ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette,
+    const ContourPoseOptions& options) {
     const auto start = for_pictures(given, silhouette.mask.width, silhouette.mask.height, silhouette.name);
     if (!start.pose) (void)start.model(); // throws where it has none
     ContourRefinement refinement(start, solid, silhouette, options);
@@ -243,10 +256,14 @@ ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid,
     refinement.tell(out);
     out.overlap_after = refinement.overlap_now();
     if (out.fitting < 0.2)
-        throw InputError({silhouette.name, "only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline meets that of " + solid.name,
-                          "the pose is too far off, or the frame shows something else", "look at the overlay; give a better pose by points"});
+        throw InputError({silhouette.name,
+            "only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline meets that of " +
+                solid.name,
+            "the pose is too far off, or the frame shows something else",
+            "look at the overlay; give a better pose by points"});
     if (out.fitting < 0.6)
-        out.estimate.warnings.push_back("only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline is that of " + solid.name +
+        out.estimate.warnings.push_back("only " + format_number(std::round(100 * out.fitting)) +
+                                        " % of the silhouette's outline is that of " + solid.name +
                                         ": the rest may have moved, or is hidden");
     return out;
 }

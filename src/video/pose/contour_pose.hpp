@@ -30,6 +30,7 @@ struct ContourPose {
 //
 // InputError for a silhouette of another size than the camera's pictures, and where less than a fifth of the outline
 // matches the solid's.
-ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options);
+ContourPose refine_on_contour(
+    const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette, const ContourPoseOptions& options);
 
 } // namespace treacle::video

@@ -17,7 +17,8 @@ namespace treacle::video {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& where, const std::string& problem, const std::string& reason, const std::string& cure) {
+[[noreturn]] void refuse(
+    const std::string& where, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({where, problem, reason, cure});
 }
 
@@ -40,10 +41,12 @@ PlanePixel read_line(const std::string& line, const std::string& where) {
     PlanePixel out;
     out.pixel = {*x, *y};
     const auto axis = trimmed(plane.substr(0, equals));
-    if (axis != "x" && axis != "y" && axis != "z") refuse(where, axis + " is no axis", "planes stand across x, y or z", cure);
+    if (axis != "x" && axis != "y" && axis != "z")
+        refuse(where, axis + " is no axis", "planes stand across x, y or z", cure);
     out.axis = axis[0] - 'x';
     const auto read = read_quantity(trimmed(plane.substr(equals + 1)), unit::length);
-    if (const auto* complaint = std::get_if<Complaint>(&read)) refuse(where, complaint->must, complaint->reason, complaint->cure);
+    if (const auto* complaint = std::get_if<Complaint>(&read))
+        refuse(where, complaint->must, complaint->reason, complaint->cure);
     out.offset = std::get<double>(read);
     out.where = where;
     return out;
@@ -55,7 +58,8 @@ Vec3 point_of(const scene::CameraModel& camera, const PlanePixel& pixel, const s
     const auto k = std::size_t(pixel.axis);
     const double t = (pixel.offset - ray.origin[k]) / ray.direction[k];
     if (!(t > 0) || !std::isfinite(t) || std::abs(ray.direction[k]) < 0.02)
-        refuse(pixel.where, "its ray does not meet the plane in front of the camera", "", "look for another plane or a wrong pose");
+        refuse(pixel.where, "its ray does not meet the plane in front of the camera", "",
+            "look for another plane or a wrong pose");
     return ray.origin + t * ray.direction;
 }
 
@@ -70,16 +74,21 @@ Axes axes_of(const std::vector<Vec3>& points) {
         for (std::size_t k = 0; k < 3; ++k) rows.at<double>(int(i), int(k)) = points[i][k];
     cv::calcCovarMatrix(rows, covariance, mean, cv::COVAR_NORMAL | cv::COVAR_ROWS | cv::COVAR_SCALE, CV_64F);
     cv::eigen(covariance, values, vectors);
-    const auto row = [&](int i) { return Vec3{vectors.at<double>(i, 0), vectors.at<double>(i, 1), vectors.at<double>(i, 2)}; };
+    const auto row = [&](int i) {
+        return Vec3{vectors.at<double>(i, 0), vectors.at<double>(i, 1), vectors.at<double>(i, 2)};
+    };
     return {row(0), row(2), values.at<double>(1), std::max(values.at<double>(2), 0.0), values.at<double>(0)};
 }
 
 using Direction = std::function<Vec3(const std::vector<Vec3>&)>;
 
-Vec3 towards(const Vec3& direction, const Vec3& about) { return dot(direction, about) < 0 ? -1.0 * direction : direction; }
+Vec3 towards(const Vec3& direction, const Vec3& about) {
+    return dot(direction, about) < 0 ? -1.0 * direction : direction;
+}
 
 // Standard deviation by moving each pixel, and the pose along the axes of its covariance.
-double deviation_of(const CameraRecord& record, const std::vector<PlanePixel>& pixels, const Direction& direction, const Vec3& up, double noise) {
+double deviation_of(const CameraRecord& record, const std::vector<PlanePixel>& pixels, const Direction& direction,
+    const Vec3& up, double noise) {
     const auto camera = record.model();
     const auto all = [&](const scene::CameraModel& from) {
         std::vector<Vec3> out;
@@ -135,12 +144,16 @@ std::vector<PlanePixel> read_levels(const std::filesystem::path& path) {
     return out;
 }
 
-Vertical vertical_of_level(const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise) {
-    if (pixels.size() < 3) refuse("--level", std::to_string(pixels.size()) + " points do not make a plane", "", "list three points or more of the line where the liquid meets the walls");
+Vertical vertical_of_level(
+    const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise) {
+    if (pixels.size() < 3)
+        refuse("--level", std::to_string(pixels.size()) + " points do not make a plane", "",
+            "list three points or more of the line where the liquid meets the walls");
     const auto points = points_of(camera, pixels);
     const auto axes = axes_of(points);
     if (axes.middle < 0.0025 * axes.largest)
-        refuse(pixels.front().where, "the points of the level lie on one line", "a plane can turn about it", "add points on another wall");
+        refuse(pixels.front().where, "the points of the level lie on one line", "a plane can turn about it",
+            "add points on another wall");
     const Direction direction = [](const std::vector<Vec3>& list) { return axes_of(list).shortest; };
     Vertical out;
     out.up = towards(axes.shortest, about);
@@ -149,8 +162,11 @@ Vertical vertical_of_level(const CameraRecord& camera, const std::vector<PlanePi
     return out;
 }
 
-Vertical vertical_of_plumb(const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise) {
-    if (pixels.size() < 2) refuse("--plumb", std::to_string(pixels.size()) + " points do not make a line", "", "list two points or more of the plumb line");
+Vertical vertical_of_plumb(
+    const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise) {
+    if (pixels.size() < 2)
+        refuse("--plumb", std::to_string(pixels.size()) + " points do not make a line", "",
+            "list two points or more of the plumb line");
     const auto axes = axes_of(points_of(camera, pixels));
     const Direction direction = [](const std::vector<Vec3>& list) { return axes_of(list).longest; };
     Vertical out;

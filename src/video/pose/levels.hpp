@@ -19,15 +19,17 @@ std::vector<PlanePixel> read_levels(const std::filesystem::path& path);
 
 // The vertical in the scene's axes.
 struct Vertical {
-    Vec3 up{0, 0, 1};      // unit
-    double deviation = 0;  // [rad] largest standard deviation of its direction, of pixels off by `noise` and of the pose
-    double residual = 0;   // [m] root mean square distance of the points from the plane or line
+    Vec3 up{0, 0, 1};     // unit
+    double deviation = 0; // [rad] largest standard deviation of its direction, of pixels off by `noise` and of the pose
+    double residual = 0;  // [m] root mean square distance of the points from the plane or line
 };
 
 // From the line where the liquid at rest meets walls: the normal of the plane through at least three points of it.
 // InputError for fewer, and for points on one line.
-Vertical vertical_of_level(const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise);
+Vertical vertical_of_level(
+    const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise);
 // From a plumb line, seen in a plane of the scene in which it hangs: the direction of the line through two points or more.
-Vertical vertical_of_plumb(const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise);
+Vertical vertical_of_plumb(
+    const CameraRecord& camera, const std::vector<PlanePixel>& pixels, const Vec3& about, double noise);
 
 } // namespace treacle::video

@@ -16,20 +16,22 @@ namespace {
 constexpr double prior_points = 4; // weight of the expected noise, in points
 constexpr double hopeless = 20;    // [pixels] error above which points were mixed up
 
-[[noreturn]] void refuse(const std::string& where, const std::string& problem, const std::string& reason, const std::string& cure) {
+[[noreturn]] void refuse(
+    const std::string& where, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({where, problem, reason, cure});
 }
 
 void check(const CameraRecord& camera, const std::vector<ScenePoint>& points) {
     if (points.size() < 4)
-        refuse(points.empty() ? "" : points.front().where, std::to_string(points.size()) + " points do not fix a pose", "three have up to four poses",
-               "list at least 4 points, better 8, far apart and not all on one plane");
+        refuse(points.empty() ? "" : points.front().where, std::to_string(points.size()) + " points do not fix a pose",
+            "three have up to four poses", "list at least 4 points, better 8, far apart and not all on one plane");
     for (const auto& point : points) {
         const auto& [u, v] = point.pixel;
         if (u >= -0.5 && v >= -0.5 && u < camera.lens.width - 0.5 && v < camera.lens.height - 0.5) continue;
-        refuse(point.where, "pixel " + format_number(u) + ", " + format_number(v) + " lies outside of pictures of " +
-                                std::to_string(camera.lens.width) + " x " + std::to_string(camera.lens.height) + " pixels",
-               "", "u runs to the right, v down, from the top left pixel");
+        refuse(point.where,
+            "pixel " + format_number(u) + ", " + format_number(v) + " lies outside of pictures of " +
+                std::to_string(camera.lens.width) + " x " + std::to_string(camera.lens.height) + " pixels",
+            "", "u runs to the right, v down, from the top left pixel");
     }
 }
 
@@ -41,7 +43,8 @@ void check_spread(const std::vector<ScenePoint>& points) {
     cv::calcCovarMatrix(positions, covariance, mean, cv::COVAR_NORMAL | cv::COVAR_ROWS, CV_64F);
     cv::eigen(covariance, values);
     if (values.at<double>(1) > 1e-4 * values.at<double>(0)) return;
-    refuse(points.front().where, "the points lie on one line", "the turn of the camera about it stays open", "add points off the line");
+    refuse(points.front().where, "the points lie on one line", "the turn of the camera about it stays open",
+        "add points off the line");
 }
 
 } // namespace
@@ -66,8 +69,8 @@ cv::Matx<double, 2, 6> pixel_jacobian(const scene::CameraModel& camera, const Ve
 cv::Matx<double, 2, 12> lens_jacobian(const scene::CameraModel& camera, const Vec3& point) {
     std::vector<cv::Point2d> seen;
     cv::Mat jacobian;
-    cv::projectPoints(std::vector<cv::Point3d>{{point[0], point[1], point[2]}}, rotation_of(camera.pose()), shift_of(camera.pose()),
-                      camera_matrix(camera.lens()), distortion_vector(camera.lens()), seen, jacobian);
+    cv::projectPoints(std::vector<cv::Point3d>{{point[0], point[1], point[2]}}, rotation_of(camera.pose()),
+        shift_of(camera.pose()), camera_matrix(camera.lens()), distortion_vector(camera.lens()), seen, jacobian);
     cv::Matx<double, 2, 12> out;
     for (int i = 0; i < 12; ++i)
         for (const int row : {0, 1}) out(row, i) = jacobian.at<double>(row, 6 + i);
@@ -76,7 +79,7 @@ cv::Matx<double, 2, 12> lens_jacobian(const scene::CameraModel& camera, const Ve
 
 scene::CameraPose changed(const scene::CameraPose& pose, const PoseVector& change) {
     return {scene::product(scene::rotation_matrix({change[0], change[1], change[2]}), pose.rotation),
-            {pose.translation[0] + change[3], pose.translation[1] + change[4], pose.translation[2] + change[5]}};
+        {pose.translation[0] + change[3], pose.translation[1] + change[4], pose.translation[2] + change[5]}};
 }
 
 PoseMatrix matrix_of(const PoseCovariance& covariance) { return PoseMatrix(covariance.data()); }
@@ -99,7 +102,8 @@ PoseMatrix inverse(const PoseMatrix& m, double* worst) {
     return scale * scaled.inv(cv::DECOMP_SVD) * scale;
 }
 
-PoseEstimate pose_of_points(const CameraRecord& camera, const std::vector<ScenePoint>& points, const PointPoseOptions& options) {
+PoseEstimate pose_of_points(
+    const CameraRecord& camera, const std::vector<ScenePoint>& points, const PointPoseOptions& options) {
     check(camera, points);
     check_spread(points);
     std::vector<Vec3> positions;
@@ -140,9 +144,11 @@ PoseEstimate pose_of_points(const CameraRecord& camera, const std::vector<SceneP
     out.rms = std::sqrt(out.rms);
     if (!(out.rms < hopeless)) {
         const auto worst = std::size_t(std::ranges::max_element(out.distances) - out.distances.begin());
-        refuse(points[worst].where, "no pose fits the points: this one is off by " + format_number(std::round(out.distances[worst])) + " pixels, all by " +
-                                        format_number(std::round(out.rms)) + " on average",
-               "points are mixed up, or their unit or the camera is another one", "draw the points on the picture and look");
+        refuse(points[worst].where,
+            "no pose fits the points: this one is off by " + format_number(std::round(out.distances[worst])) +
+                " pixels, all by " + format_number(std::round(out.rms)) + " on average",
+            "points are mixed up, or their unit or the camera is another one",
+            "draw the points on the picture and look");
     }
     const double freedom = 2.0 * double(points.size()) - 6, prior = 2 * prior_points;
     out.noise = std::sqrt((squares + prior * options.noise * options.noise) / (freedom + prior));
@@ -154,9 +160,11 @@ PoseEstimate pose_of_points(const CameraRecord& camera, const std::vector<SceneP
         covariance += by_lens * cv::Matx<double, 12, 12>(camera.covariance->values.data()) * by_lens.t();
     }
     out.covariance = covariance_of(covariance);
-    if (seen < 1e-7) out.warnings.push_back("the points hardly fix the pose: take some that are farther apart, at other depths");
+    if (seen < 1e-7)
+        out.warnings.push_back("the points hardly fix the pose: take some that are farther apart, at other depths");
     if (out.noise > 3 * options.noise)
-        out.warnings.push_back("the points fit to " + format_number(std::round(10 * out.rms) / 10) + " pixels only: one of them may be mistaken, or the lens is another one");
+        out.warnings.push_back("the points fit to " + format_number(std::round(10 * out.rms) / 10) +
+                               " pixels only: one of them may be mistaken, or the lens is another one");
     return out;
 }
 

@@ -20,7 +20,8 @@ namespace {
 constexpr int shift = 4; // fractional bits of OpenCV's coordinates
 constexpr double tint = 0.22;
 
-const cv::Scalar liquid_colour(255, 140, 30), body_colour(30, 140, 255), box_colour(150, 150, 150), outline_colour(255, 255, 255);
+const cv::Scalar liquid_colour(255, 140, 30), body_colour(30, 140, 255), box_colour(150, 150, 150),
+    outline_colour(255, 255, 255);
 
 cv::Mat read_colour(const std::filesystem::path& path) {
     cv::setNumThreads(1);
@@ -28,7 +29,8 @@ cv::Mat read_colour(const std::filesystem::path& path) {
     if (out.empty()) {
         const auto read = read_photo(path); // throws for a bad one
         const auto* unreadable = std::get_if<Unreadable>(&read);
-        throw InputError({path.string(), "cannot be read as a picture", unreadable ? unreadable->reason : "", "give a PNG or JPEG"});
+        throw InputError(
+            {path.string(), "cannot be read as a picture", unreadable ? unreadable->reason : "", "give a PNG or JPEG"});
     }
     return out;
 }
@@ -55,7 +57,8 @@ void draw_edge(cv::Mat& picture, const scene::CameraModel& camera, const Vec3& f
 
 void draw_domain(cv::Mat& picture, const scene::CameraModel& camera, const DomainBox& box) {
     const auto corner = [&](int i) {
-        return Vec3{(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1], (i & 4) ? box.max[2] : box.min[2]};
+        return Vec3{
+            (i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1], (i & 4) ? box.max[2] : box.min[2]};
     };
     for (int i = 0; i < 8; ++i)
         for (const int bit : {1, 2, 4})
@@ -74,23 +77,28 @@ void draw_axes(cv::Mat& picture, const scene::CameraModel& camera, double length
 // Tints the pixels of each solid and draws the borders between what is seen.
 void draw_solids(cv::Mat& picture, const SolidPicture& seen, const SceneOverlay& overlay) {
     cv::Mat borders = cv::Mat::zeros(picture.size(), CV_8U);
-    const auto colour_of = [&](int number) { return overlay.kinds[std::size_t(number)] == OverlayKind::liquid ? liquid_colour : body_colour; };
+    const auto colour_of = [&](int number) {
+        return overlay.kinds[std::size_t(number)] == OverlayKind::liquid ? liquid_colour : body_colour;
+    };
     const auto number = [&](int row, int column) { return seen.number[std::size_t(row) * seen.width + column]; };
     cv::Mat lines = picture.clone();
     for (int row = 0; row < seen.height; ++row)
         for (int column = 0; column < seen.width; ++column) {
             const int own = number(row, column);
-            const int right = column + 1 < seen.width ? number(row, column + 1) : own, below = row + 1 < seen.height ? number(row + 1, column) : own;
+            const int right = column + 1 < seen.width ? number(row, column + 1) : own,
+                      below = row + 1 < seen.height ? number(row + 1, column) : own;
             auto& pixel = picture.at<cv::Vec3b>(row, column);
             if (own >= 0) {
                 const auto colour = colour_of(own);
-                for (int k = 0; k < 3; ++k) pixel[k] = cv::saturate_cast<std::uint8_t>((1 - tint) * pixel[k] + tint * colour[k]);
+                for (int k = 0; k < 3; ++k)
+                    pixel[k] = cv::saturate_cast<std::uint8_t>((1 - tint) * pixel[k] + tint * colour[k]);
             }
             const int other = own != right ? right : below;
             if (own == other) continue;
             const auto colour = colour_of(std::max(own, other));
             borders.at<std::uint8_t>(row, column) = 255;
-            lines.at<cv::Vec3b>(row, column) = cv::Vec3b(std::uint8_t(colour[0]), std::uint8_t(colour[1]), std::uint8_t(colour[2]));
+            lines.at<cv::Vec3b>(row, column) =
+                cv::Vec3b(std::uint8_t(colour[0]), std::uint8_t(colour[1]), std::uint8_t(colour[2]));
         }
     // Lines about one five-hundredth of the picture wide.
     const int width = std::max(1, seen.width / 900);
@@ -105,7 +113,8 @@ void draw_solids(cv::Mat& picture, const SolidPicture& seen, const SceneOverlay&
 
 void draw_outline(cv::Mat& picture, const Mask& mask) {
     std::vector<std::vector<cv::Point>> outlines;
-    cv::findContours(cv::Mat(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.pixels.data())), outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+    cv::findContours(cv::Mat(mask.height, mask.width, CV_8U, const_cast<std::uint8_t*>(mask.pixels.data())), outlines,
+        cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
     cv::drawContours(picture, outlines, -1, {0, 0, 0}, 3);
     cv::drawContours(picture, outlines, -1, outline_colour, 1);
 }
@@ -128,7 +137,8 @@ Image draw_board_axes(const std::filesystem::path& path, const Board& board, con
     cv::Mat picture = read_colour(path);
     const auto& p = view.points;
     const std::size_t w = std::size_t(board.columns), n = p.size();
-    for (const auto& point : p) cv::circle(picture, fixed(point[0], point[1]), 4 << shift, {0, 200, 0}, 1, cv::LINE_AA, shift);
+    for (const auto& point : p)
+        cv::circle(picture, fixed(point[0], point[1]), 4 << shift, {0, 200, 0}, 1, cv::LINE_AA, shift);
     const int width = std::max(2, picture.cols / 300);
     const auto at = [&](std::size_t i) { return cv::Point(int(std::lround(p[i][0])), int(std::lround(p[i][1]))); };
     cv::arrowedLine(picture, at(0), at(w - 1), {40, 40, 230}, width, cv::LINE_AA, 0, 0.05);

@@ -25,7 +25,8 @@ PixelBox box_of(const scene::CameraModel& camera, const SeenSolid& solid) {
     // Corners of the cube around the ball.
     double left = 1e30, right = -1e30, top = 1e30, bottom = -1e30;
     for (int i = 0; i < 8; ++i) {
-        const Vec3 corner{solid.radius * ((i & 1) ? 1 : -1), solid.radius * ((i & 2) ? 1 : -1), solid.radius * ((i & 4) ? 1 : -1)};
+        const Vec3 corner{
+            solid.radius * ((i & 1) ? 1 : -1), solid.radius * ((i & 2) ? 1 : -1), solid.radius * ((i & 4) ? 1 : -1)};
         const auto p = camera.project_camera(camera.to_camera(solid.centre) + corner);
         if (p.depth < scene::CameraModel::near_plane) return all;
         left = std::min(left, p.x);
@@ -34,7 +35,8 @@ PixelBox box_of(const scene::CameraModel& camera, const SeenSolid& solid) {
         bottom = std::max(bottom, p.y);
     }
     const auto clamped = [](double v, int side) { return int(std::clamp(v, 0.0, double(side))); };
-    return {clamped(left - 2, lens.width), clamped(right + 3, lens.width), clamped(top - 2, lens.height), clamped(bottom + 3, lens.height)};
+    return {clamped(left - 2, lens.width), clamped(right + 3, lens.width), clamped(top - 2, lens.height),
+        clamped(bottom + 3, lens.height)};
 }
 
 } // namespace
@@ -80,7 +82,8 @@ Mask SolidPicture::mask() const {
 SolidPicture look_at(const scene::CameraModel& camera, const std::vector<SeenSolid>& solids) {
     const auto& lens = camera.lens();
     const std::size_t n = std::size_t(lens.width) * lens.height;
-    SolidPicture out{lens.width, lens.height, std::vector<int>(n, -1), std::vector<float>(n, std::numeric_limits<float>::infinity())};
+    SolidPicture out{lens.width, lens.height, std::vector<int>(n, -1),
+        std::vector<float>(n, std::numeric_limits<float>::infinity())};
     for (std::size_t k = 0; k < solids.size(); ++k) {
         const auto box = box_of(camera, solids[k]);
         for (int row = box.top; row < box.bottom; ++row)

@@ -49,7 +49,8 @@ struct BackgroundModel::State {
             float rest = 0;
             for (std::size_t c = 0; c < 3; ++c)
                 rest = std::max(rest, std::abs(float(frame.pixels[3 * i + c]) - ratio * mean[3 * i + c]));
-            const bool copy = rest < floor && ratio >= float(settings.shadow_ratio) && ratio <= float(settings.highlight_ratio);
+            const bool copy =
+                rest < floor && ratio >= float(settings.shadow_ratio) && ratio <= float(settings.highlight_ratio);
             if (copy && ratio < 1) ++shadows;
             mask.pixels[i] = copy ? mask_background : mask_liquid;
         }
@@ -71,7 +72,8 @@ void BackgroundModel::learn(const Image& frame, int of_frames) {
         s.sum = cv::Mat::zeros(rgb.size(), CV_32FC3);
         s.squares = cv::Mat::zeros(rgb.size(), CV_32FC3);
         const bool known_shadows = s.settings.shadow_ratio < 1;
-        s.mixture = cv::createBackgroundSubtractorMOG2(std::max(2, of_frames), s.settings.deviations * s.settings.deviations, known_shadows);
+        s.mixture = cv::createBackgroundSubtractorMOG2(
+            std::max(2, of_frames), s.settings.deviations * s.settings.deviations, known_shadows);
         s.mixture->setShadowThreshold(s.settings.shadow_ratio);
     }
     cv::Mat real;

@@ -33,8 +33,10 @@ Curve curve_of(std::vector<Knot> knots) {
         double ratio = 1;
         if (!knots.empty()) {
             const auto above = std::ranges::find_if(knots, [&](const Knot& k) { return k.level >= v; });
-            if (above == knots.begin()) ratio = knots.front().ratio;
-            else if (above == knots.end()) ratio = knots.back().ratio;
+            if (above == knots.begin())
+                ratio = knots.front().ratio;
+            else if (above == knots.end())
+                ratio = knots.back().ratio;
             else {
                 const auto& a = *(above - 1);
                 ratio = a.ratio + (v - a.level) / (above->level - a.level) * (above->ratio - a.ratio);
@@ -70,7 +72,8 @@ MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean
         const auto curve = curve_of(knots);
         for (std::size_t i = c; i < matched.image.pixels.size(); i += 3) {
             const int value = frame.pixels[i];
-            const bool both_clipped = value >= clipped && mean[i] * (mean[i] / std::max(1.0F, curve[std::size_t(value)])) >= clipped;
+            const bool both_clipped =
+                value >= clipped && mean[i] * (mean[i] / std::max(1.0F, curve[std::size_t(value)])) >= clipped;
             const float level = both_clipped ? mean[i] : curve[std::size_t(value)];
             matched.image.pixels[i] = std::uint8_t(std::lround(std::clamp(level, 0.0F, 255.0F)));
         }

@@ -147,55 +147,80 @@ std::int64_t count_dropped(const ClipInfo& info) {
 void judge_motion(ClipCheck& check, const SilhouetteSettings& limits) {
     auto& out = check.findings;
     if (check.registered && check.largest_changed > limits.max_changed)
-        out.push_back({FindingKind::problem, "the camera moves: " + text_of(100 * check.largest_changed, 0) + " % of the background has changed in frame " +
-                                                 std::to_string(check.changed),
-                       "film from a stand, or cut the clip there"});
+        out.push_back({FindingKind::problem,
+            "the camera moves: " + text_of(100 * check.largest_changed, 0) +
+                " % of the background has changed in frame " + std::to_string(check.changed),
+            "film from a stand, or cut the clip there"});
     else if (check.registered && check.largest_shift > limits.max_shift)
-        out.push_back({FindingKind::problem, "the camera moves: by " + text_of(check.largest_shift, 1) + " px in frame " + std::to_string(check.shifted),
-                       "film from a stand, or cut the clip there"});
+        out.push_back({FindingKind::problem,
+            "the camera moves: by " + text_of(check.largest_shift, 1) + " px in frame " + std::to_string(check.shifted),
+            "film from a stand, or cut the clip there"});
     else if (check.registered && check.largest_shift > 0.3)
-        out.push_back({FindingKind::warning, "the camera drifts by up to " + text_of(check.largest_shift, 2) + " px (frame " + std::to_string(check.shifted) + ")",
-                       "silhouettes registers frames onto the first; a heavier stand is better"});
+        out.push_back({FindingKind::warning,
+            "the camera drifts by up to " + text_of(check.largest_shift, 2) + " px (frame " +
+                std::to_string(check.shifted) + ")",
+            "silhouettes registers frames onto the first; a heavier stand is better"});
     if (!check.registered)
-        out.push_back({FindingKind::note, "the background has too little texture to tell whether the camera moves", "put something with edges at the rim of the picture"});
+        out.push_back({FindingKind::note, "the background has too little texture to tell whether the camera moves",
+            "put something with edges at the rim of the picture"});
     if (!check.first_change)
-        out.push_back({FindingKind::problem, "nothing moves in it: no frame differs from the first one", "choose the clip with the experiment"});
+        out.push_back({FindingKind::problem, "nothing moves in it: no frame differs from the first one",
+            "choose the clip with the experiment"});
     else if (*check.first_change < 5)
-        out.push_back({FindingKind::warning, "frame " + std::to_string(*check.first_change) + " already differs from the first one: there is no empty scene at its start",
-                       "film 2 s of the empty scene first, or give silhouettes one by --empty-picture or --empty-clip"});
+        out.push_back({FindingKind::warning,
+            "frame " + std::to_string(*check.first_change) +
+                " already differs from the first one: there is no empty scene at its start",
+            "film 2 s of the empty scene first, or give silhouettes one by --empty-picture or --empty-clip"});
 }
 
 void judge_picture(ClipCheck& check) {
     auto& out = check.findings;
     if (check.brightness_high / check.brightness_low > 1.02)
-        out.push_back({FindingKind::warning, "the exposure drifts: brightness from " + text_of(check.brightness_low, 3) + " to " + text_of(check.brightness_high, 3) +
-                                                 " of the first frame", "lock exposure and white balance; silhouettes takes the drift out"});
+        out.push_back({FindingKind::warning,
+            "the exposure drifts: brightness from " + text_of(check.brightness_low, 3) + " to " +
+                text_of(check.brightness_high, 3) + " of the first frame",
+            "lock exposure and white balance; silhouettes takes the drift out"});
     if (check.flicker > 0.01)
-        out.push_back({FindingKind::warning, "the light flickers by " + text_of(100 * check.flicker, 1) + " % from frame to frame", "light with direct current, or by daylight"});
+        out.push_back({FindingKind::warning,
+            "the light flickers by " + text_of(100 * check.flicker, 1) + " % from frame to frame",
+            "light with direct current, or by daylight"});
     if (check.clipped > 0.2)
-        out.push_back({FindingKind::note, text_of(100 * check.clipped, 0) + " % of the picture is white without detail", "expose shorter, unless it is a back light"});
+        out.push_back({FindingKind::note, text_of(100 * check.clipped, 0) + " % of the picture is white without detail",
+            "expose shorter, unless it is a back light"});
     if (check.contrast > 0 && check.contrast < 30)
-        out.push_back({FindingKind::warning, "the contour has little contrast: " + text_of(check.contrast, 1) + " grey levels of 255, noise " + text_of(check.noise, 1),
-                       "dye the liquid, light it from behind, or change the background"});
+        out.push_back({FindingKind::warning,
+            "the contour has little contrast: " + text_of(check.contrast, 1) + " grey levels of 255, noise " +
+                text_of(check.noise, 1),
+            "dye the liquid, light it from behind, or change the background"});
     if (check.edge_width > 2)
-        out.push_back({FindingKind::warning, "the contour is blurred by " + text_of(check.edge_width, 1) + " px", "focus on the liquid and lock the focus; expose shorter"});
+        out.push_back({FindingKind::warning, "the contour is blurred by " + text_of(check.edge_width, 1) + " px",
+            "focus on the liquid and lock the focus; expose shorter"});
 }
 
 void judge_stamps(const ClipInfo& info, ClipCheck& check) {
     auto& out = check.findings;
     if (check.dropped > 0)
-        out.push_back({FindingKind::warning, std::to_string(check.dropped) + " frames are missing by their time stamps", "the times of the others are kept; free the camera's memory"});
+        out.push_back({FindingKind::warning, std::to_string(check.dropped) + " frames are missing by their time stamps",
+            "the times of the others are kept; free the camera's memory"});
     if (!check.doubled.empty())
-        out.push_back({FindingKind::warning, std::to_string(check.doubled.size()) + " frames repeat the one before, the first of them frame " + std::to_string(check.doubled.front()),
-                       "the file was made for another rate: take the camera's own file"});
+        out.push_back({FindingKind::warning,
+            std::to_string(check.doubled.size()) + " frames repeat the one before, the first of them frame " +
+                std::to_string(check.doubled.front()),
+            "the file was made for another rate: take the camera's own file"});
     if (info.variable_rate()) out.push_back({FindingKind::note, "the rate is variable", "times are the frames' own"});
     if (!info.stamps.empty() && info.stamps.front() != 0)
         out.push_back({FindingKind::note, "the first time stamp is " + text_of(info.stamps.front(), 6) + " s", ""});
     if (info.rate() > 0 && info.rate() < 20)
-        out.push_back({FindingKind::note, "the rate is low: " + text_of(info.rate(), 2) + " Hz", "30 Hz or more shows when the flow starts"});
+        out.push_back({FindingKind::note, "the rate is low: " + text_of(info.rate(), 2) + " Hz",
+            "30 Hz or more shows when the flow starts"});
     if (!info.orientation.upright())
-        out.push_back({FindingKind::note, "frames are stored turned; the container turns them by " + std::to_string(info.orientation.degrees()) + " degrees", ""});
-    if (!info.damage.empty()) out.push_back({FindingKind::problem, "is cut off: " + info.damage, "copy it again; --allow-damage takes what is there"});
+        out.push_back({FindingKind::note,
+            "frames are stored turned; the container turns them by " + std::to_string(info.orientation.degrees()) +
+                " degrees",
+            ""});
+    if (!info.damage.empty())
+        out.push_back(
+            {FindingKind::problem, "is cut off: " + info.damage, "copy it again; --allow-damage takes what is there"});
 }
 } // namespace
 
@@ -209,14 +234,17 @@ ClipCheck check_clip(FrameSource& source, const std::function<void(std::int64_t,
     Survey survey{check, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, 0};
     source.rewind();
     for (TimedFrame frame; source.read(frame);) {
-        if (frame.index == 0) survey.begin(frame.image);
-        else survey.add(frame);
+        if (frame.index == 0)
+            survey.begin(frame.image);
+        else
+            survey.add(frame);
         progress(frame.index + 1, std::ssize(source.info().stamps));
     }
     survey.finish();
     const auto& info = source.info();
     check.dropped = count_dropped(info);
-    for (const auto& unusable : reasons_against(info)) check.findings.push_back({FindingKind::problem, unusable.problem + "; " + unusable.reason, unusable.cure});
+    for (const auto& unusable : reasons_against(info))
+        check.findings.push_back({FindingKind::problem, unusable.problem + "; " + unusable.reason, unusable.cure});
     judge_stamps(info, check);
     judge_motion(check, SilhouetteSettings{});
     judge_picture(check);

@@ -42,7 +42,8 @@ cv::Mat mean_to_light(const std::vector<float>& background, int width, const cv:
 
 cv::Mat smaller(const cv::Mat& picture) {
     cv::Mat out;
-    cv::resize(picture, out, {(picture.cols + scale - 1) / scale, (picture.rows + scale - 1) / scale}, 0, 0, cv::INTER_AREA);
+    cv::resize(
+        picture, out, {(picture.cols + scale - 1) / scale, (picture.rows + scale - 1) / scale}, 0, 0, cv::INTER_AREA);
     return out;
 }
 
@@ -85,8 +86,10 @@ cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, 
             y.at<float>(j, i) = float(j) - float(x.rows) / 2;
         }
     const cv::Mat wx = weight.mul(x), wy = weight.mul(y);
-    const cv::Mat s0 = blurred(weight), sx = blurred(wx), sy = blurred(wy), sxx = blurred(wx.mul(x)), sxy = blurred(wx.mul(y)), syy = blurred(wy.mul(y));
-    const cv::Mat t0 = blurred(times(picture, weight)), tx = blurred(times(picture, wx)), ty = blurred(times(picture, wy));
+    const cv::Mat s0 = blurred(weight), sx = blurred(wx), sy = blurred(wy), sxx = blurred(wx.mul(x)),
+                  sxy = blurred(wx.mul(y)), syy = blurred(wy.mul(y));
+    const cv::Mat t0 = blurred(times(picture, weight)), tx = blurred(times(picture, wx)),
+                  ty = blurred(times(picture, wy));
     cv::Mat line = mean.clone();
     for (int j = 0; j < x.rows; ++j)
         for (int i = 0; i < x.cols; ++i) {
@@ -94,12 +97,14 @@ cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, 
             if (n < 1e-3) continue;
             const double px = double(x.at<float>(j, i)), py = double(y.at<float>(j, i));
             const double mx = double(sx.at<float>(j, i)) / n, my = double(sy.at<float>(j, i)) / n, ridge = 0.15 * s * s;
-            const double cxx = double(sxx.at<float>(j, i)) / n - mx * mx + ridge, cxy = double(sxy.at<float>(j, i)) / n - mx * my;
+            const double cxx = double(sxx.at<float>(j, i)) / n - mx * mx + ridge,
+                         cxy = double(sxy.at<float>(j, i)) / n - mx * my;
             const double cyy = double(syy.at<float>(j, i)) / n - my * my + ridge, determinant = cxx * cyy - cxy * cxy;
             if (!(determinant > 0)) continue;
             for (int c = 0; c < 3; ++c) {
                 const double m = double(t0.at<cv::Vec3f>(j, i)[c]) / n;
-                const double fx = double(tx.at<cv::Vec3f>(j, i)[c]) / n - m * mx, fy = double(ty.at<cv::Vec3f>(j, i)[c]) / n - m * my;
+                const double fx = double(tx.at<cv::Vec3f>(j, i)[c]) / n - m * mx,
+                             fy = double(ty.at<cv::Vec3f>(j, i)[c]) / n - m * my;
                 const double gx = (cyy * fx - cxy * fy) / determinant, gy = (cxx * fy - cxy * fx) / determinant;
                 line.at<cv::Vec3f>(j, i)[c] = float(std::clamp(m + gx * (px - mx) + gy * (py - my), 0.7 * m, 1.3 * m));
             }
@@ -125,7 +130,8 @@ struct Levels {
     cv::Mat light, liquid, background; // CV_32FC3
 };
 
-Levels local_levels(const cv::Mat& light, const cv::Mat& empty, const cv::Mat& liquid, const cv::Mat& excluded, double width) {
+Levels local_levels(
+    const cv::Mat& light, const cv::Mat& empty, const cv::Mat& liquid, const cv::Mat& excluded, double width) {
     const double blurred = 2.5 * width + 1, reach = std::max(6.0, 1.5 * blurred);
     cv::Mat inside = weights(liquid, blurred), outside = weights(liquid == 0, blurred);
     inside.setTo(0, excluded);
@@ -138,11 +144,13 @@ Levels local_levels(const cv::Mat& light, const cv::Mat& empty, const cv::Mat& l
         return ratio;
     };
     const cv::Mat ones(light.size(), CV_32FC3, cv::Scalar::all(1));
-    const cv::Mat weight = smaller(inside), weighted = smaller(times(light, inside)), all = smaller(times(ones, inside));
+    const cv::Mat weight = smaller(inside), weighted = smaller(times(light, inside)),
+                  all = smaller(times(ones, inside));
     cv::Mat values;
     cv::divide(weighted, all + cv::Scalar::all(1e-9), values);
     levels.liquid = larger(local_line(values, weight, reach, mean(weighted, all)), light.size());
-    levels.background = larger(mean(smaller(times(light, outside)), smaller(times(empty, outside))), light.size()).mul(empty);
+    levels.background =
+        larger(mean(smaller(times(light, outside)), smaller(times(empty, outside))), light.size()).mul(empty);
     return levels;
 }
 
@@ -225,10 +233,11 @@ double width_of(const Shares& shares) {
 cv::Rect box_of(const cv::Mat& liquid, int margin) {
     const cv::Rect box = cv::boundingRect(liquid);
     if (box.empty()) return {};
-    return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & cv::Rect({0, 0}, liquid.size());
+    return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+           cv::Rect({0, 0}, liquid.size());
 }
 
-constexpr double bin = 0.25; // of profiles, in blur widths
+constexpr double bin = 0.25;                            // of profiles, in blur widths
 constexpr double profile_reach = 3.2, even_reach = 2.6; // in blur widths
 
 float sample(const cv::Mat& field, double x, double y) {
@@ -253,9 +262,11 @@ std::vector<double> profile_of(const cv::Mat& share, double width) {
         const double part = double((here - 0.5F) / (here - there));
         const double px = x + part * dx, py = y + part * dy;
         if (px < margin || py < margin || px > share.cols - 1 - margin || py > share.rows - 1 - margin) return;
-        double nx = double(sample(smooth, px - 1, py) - sample(smooth, px + 1, py)), ny = double(sample(smooth, px, py - 1) - sample(smooth, px, py + 1));
+        double nx = double(sample(smooth, px - 1, py) - sample(smooth, px + 1, py)),
+               ny = double(sample(smooth, px, py - 1) - sample(smooth, px, py + 1));
         const double length = std::hypot(nx, ny);
-        if (length < 1e-3 || std::abs(dx != 0 ? nx : ny) < 0.7 * length) return; // each point once, along its steeper axis
+        if (length < 1e-3 || std::abs(dx != 0 ? nx : ny) < 0.7 * length)
+            return; // each point once, along its steeper axis
         nx /= length, ny /= length;
         for (int k = -half; k <= half; ++k)
             sum[std::size_t(k + half)] += double(sample(share, px + k * bin * width * nx, py + k * bin * width * ny));
@@ -358,8 +369,8 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
 }
 } // namespace
 
-RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
-                              double edge_width) {
+RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough,
+    MixingSpace mixing, double edge_width) {
     RefinedContour refined{rough, 0, 0, 0};
     const auto box = box_of(pixels_of(rough) == mask_liquid, 48);
     if (box.empty()) return refined;

@@ -22,8 +22,8 @@ struct RefinedContour {
 // a = dot(I - B, F - B) / |F - B|^2, and the contour is at a = 1/2: for any blur that is even, a straight edge's true place,
 // and sigma^2 / (2 R) inside that of a disc of radius R. A fixed grey level instead is off by sigma times the quantile of
 // its share. `edge_width` as measured in frames before, 0 at first [px].
-RefinedContour refine_contour(const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing,
-                              double edge_width);
+RefinedContour refine_contour(
+    const Image& frame, const std::vector<float>& background, const Mask& rough, MixingSpace mixing, double edge_width);
 
 // Deviation of a frame's blurred contours from even, in light and in the numbers of the file: root mean square of the
 // even part of the mean profile along the contour's normals. Both 0 where the contour is too short.

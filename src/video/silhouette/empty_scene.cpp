@@ -23,7 +23,9 @@ constexpr float block_difference = 7; // [grey levels]
 Image load_picture(const std::filesystem::path& path) {
     if (is_heif(path)) throw heif_refused(path);
     const cv::Mat read = codecs().read(path.string(), cv::IMREAD_COLOR);
-    if (read.empty()) throw InputError({path.string(), "is no picture that can be read", "empty.picture names it", "PNG and JPEG are usual"});
+    if (read.empty())
+        throw InputError(
+            {path.string(), "is no picture that can be read", "empty.picture names it", "PNG and JPEG are usual"});
     cv::Mat rgb;
     cv::cvtColor(read, rgb, cv::COLOR_BGR2RGB);
     return rgb_image_of(rgb);
@@ -39,18 +41,22 @@ public:
 
     void add(const Image& frame, const std::string& name) {
         if (frame.width != clip_.width || frame.height != clip_.height)
-            throw InputError({name, "is " + std::to_string(frame.width) + " x " + std::to_string(frame.height) + " pixels",
-                              clip_.file + " is " + std::to_string(clip_.width) + " x " + std::to_string(clip_.height),
-                              "film the empty scene with the same camera and orientation"});
+            throw InputError(
+                {name, "is " + std::to_string(frame.width) + " x " + std::to_string(frame.height) + " pixels",
+                    clip_.file + " is " + std::to_string(clip_.width) + " x " + std::to_string(clip_.height),
+                    "film the empty scene with the same camera and orientation"});
         Image moved = frame;
         if (registration_.possible()) {
             shift_ = follow_shift(registration_, frame, shift_);
             if (shift_.changed > 0.7)
-                throw InputError({name, "is another scene than " + clip_.file, "most of the background differs", "film the empty scene from the same place"});
+                throw InputError({name, "is another scene than " + clip_.file, "most of the background differs",
+                    "film the empty scene from the same place"});
             moved = undo_shift(frame, shift_);
         }
-        if (first_.empty()) first_ = floats(moved);
-        else if (settings_.brightness) moved = match_brightness(moved, first_, {}).image;
+        if (first_.empty())
+            first_ = floats(moved);
+        else if (settings_.brightness)
+            moved = match_brightness(moved, first_, {}).image;
         model_.learn(moved, of_);
     }
 
@@ -69,15 +75,16 @@ private:
     std::vector<float> first_;
 };
 
-EmptyScene from_frames(FrameSource& source, const SilhouetteSettings& settings, const Registration& registration, FrameSpan span,
-                       const std::string& note) {
+EmptyScene from_frames(FrameSource& source, const SilhouetteSettings& settings, const Registration& registration,
+    FrameSpan span, const std::string& note) {
     const auto count = std::ssize(source.info().stamps);
     std::vector<std::int64_t> wanted;
     for (std::int64_t k = 0; k < count; ++k)
         if (span.holds(k, count)) wanted.push_back(k);
     if (wanted.empty())
-        throw InputError({source.info().file, "has no frames " + std::to_string(span.first) + " to " + std::to_string(span.last),
-                          "it has " + std::to_string(count) + " frames", "give frames of the clip for empty.frames"});
+        throw InputError(
+            {source.info().file, "has no frames " + std::to_string(span.first) + " to " + std::to_string(span.last),
+                "it has " + std::to_string(count) + " frames", "give frames of the clip for empty.frames"});
     const auto stride = std::max<std::int64_t>(1, std::ssize(wanted) / many);
     Learner learner(settings, registration, source.info(), int((std::ssize(wanted) + stride - 1) / stride));
     source.rewind();
@@ -106,7 +113,7 @@ FrameShift follow_shift(const Registration& registration, const Image& frame, co
 }
 
 std::int64_t find_first_change(FrameSource& source, const Registration& registration,
-                               const std::function<void(std::int64_t, std::int64_t)>& progress) {
+    const std::function<void(std::int64_t, std::int64_t)>& progress) {
     const auto count = std::ssize(source.info().stamps);
     std::vector<float> first;
     cv::Mat small_first;
@@ -141,7 +148,7 @@ std::int64_t find_first_change(FrameSource& source, const Registration& registra
 }
 
 EmptyScene learn_empty_scene(FrameSource& source, const SilhouetteSettings& settings, const Registration& registration,
-                             const std::function<void(std::int64_t, std::int64_t)>& progress) {
+    const std::function<void(std::int64_t, std::int64_t)>& progress) {
     const auto& file = source.info().file;
     const auto& empty = settings.empty;
     if (!empty.frames.empty()) {
@@ -161,19 +168,23 @@ EmptyScene learn_empty_scene(FrameSource& source, const SilhouetteSettings& sett
         const auto stride = std::max<std::int64_t>(1, std::ssize(clip->info().stamps) / many);
         Learner learner(settings, registration, source.info(), int(std::ssize(clip->info().stamps) / stride));
         for (TimedFrame frame; clip->read(frame);)
-            if (frame.index % stride == 0) learner.add(frame.image, empty.clip + ", frame " + std::to_string(frame.index));
+            if (frame.index % stride == 0)
+                learner.add(frame.image, empty.clip + ", frame " + std::to_string(frame.index));
         return {learner.finish(), "the empty scene is " + empty.clip};
     }
     const auto change = find_first_change(source, registration, progress);
     if (change < 0)
-        throw InputError({file, "nothing moves in it", "no frame differs from the first one", "choose the clip with the experiment, or lower its noise"});
+        throw InputError({file, "nothing moves in it", "no frame differs from the first one",
+            "choose the clip with the experiment, or lower its noise"});
     if (change < few)
-        throw InputError({file, "has no empty scene: frame " + std::to_string(change) + " already differs from the first one",
-                          "the background is learnt from frames without liquid",
-                          "give empty.frames, empty.picture or empty.clip, or film 2 s of the empty scene first"});
+        throw InputError(
+            {file, "has no empty scene: frame " + std::to_string(change) + " already differs from the first one",
+                "the background is learnt from frames without liquid",
+                "give empty.frames, empty.picture or empty.clip, or film 2 s of the empty scene first"});
     const auto last = change - 2; // one more for a change too faint to be detected
     return from_frames(source, settings, registration, {0, last},
-                       "the empty scene is frames 0:" + std::to_string(last) + ", before the first change in frame " + std::to_string(change));
+        "the empty scene is frames 0:" + std::to_string(last) + ", before the first change in frame " +
+            std::to_string(change));
 }
 
 } // namespace treacle::video

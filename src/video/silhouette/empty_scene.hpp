@@ -18,13 +18,13 @@ struct EmptyScene {
 // changes. Each picture is registered onto the clip's first frame and set to the brightness of the first of the model.
 // InputError: no such frames, another size, liquid from the first frame on, nothing that changes.
 EmptyScene learn_empty_scene(FrameSource& source, const SilhouetteSettings& settings, const Registration& registration,
-                             const std::function<void(std::int64_t, std::int64_t)>& progress);
+    const std::function<void(std::int64_t, std::int64_t)>& progress);
 
 // A frame's shift, begun from that of the frame before, or from the peak of the phase correlation where that fails.
 FrameShift follow_shift(const Registration& registration, const Image& frame, const FrameShift& before);
 
 // Index of the first frame that differs from the first one in more than noise, exposure and small shifts; -1 for none.
 std::int64_t find_first_change(FrameSource& source, const Registration& registration,
-                               const std::function<void(std::int64_t, std::int64_t)>& progress);
+    const std::function<void(std::int64_t, std::int64_t)>& progress);
 
 } // namespace treacle::video

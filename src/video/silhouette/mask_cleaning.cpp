@@ -39,7 +39,8 @@ std::size_t fill(cv::Mat& liquid, const cv::Mat& excluded) {
     std::vector<bool> outside(std::size_t(count), false);
     for (int k = 1; k < count; ++k) {
         const auto* f = figures.ptr<int>(k);
-        outside[std::size_t(k)] = f[cv::CC_STAT_LEFT] == 0 || f[cv::CC_STAT_TOP] == 0 || f[cv::CC_STAT_LEFT] + f[cv::CC_STAT_WIDTH] == liquid.cols ||
+        outside[std::size_t(k)] = f[cv::CC_STAT_LEFT] == 0 || f[cv::CC_STAT_TOP] == 0 ||
+                                  f[cv::CC_STAT_LEFT] + f[cv::CC_STAT_WIDTH] == liquid.cols ||
                                   f[cv::CC_STAT_TOP] + f[cv::CC_STAT_HEIGHT] == liquid.rows;
     }
     for (int y = 0; y < liquid.rows; ++y)
@@ -83,8 +84,9 @@ void drop_specks(cv::Mat& liquid, const SilhouetteSettings& settings, const Mask
 }
 
 InputError no_polygon(const std::string& text, const std::string& where) {
-    return InputError({where + " = " + shorten(text), "is no polygon and no picture", "a polygon has three corners at least",
-                       "write for instance \"100,50 400,50 400,300\", in pixels of the upright picture"});
+    return InputError(
+        {where + " = " + shorten(text), "is no polygon and no picture", "a polygon has three corners at least",
+            "write for instance \"100,50 400,50 400,300\", in pixels of the upright picture"});
 }
 } // namespace
 
@@ -109,7 +111,8 @@ Mask draw_polygon(const std::string& text, int width, int height, const std::str
     for (std::string word; words >> word;) {
         const auto comma = word.find(',');
         const auto u = read_number(std::string_view(word).substr(0, comma));
-        const auto v = comma == std::string::npos ? std::nullopt : read_number(std::string_view(word).substr(comma + 1));
+        const auto v =
+            comma == std::string::npos ? std::nullopt : read_number(std::string_view(word).substr(comma + 1));
         if (!u || !v) throw no_polygon(text, where);
         x.push_back(*u);
         y.push_back(*v);
@@ -125,7 +128,8 @@ Mask draw_polygon(const std::string& text, int width, int height, const std::str
         }
         std::ranges::sort(crossings);
         for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
-            for (int column = std::max(0, int(std::ceil(crossings[i]))); column < width && column <= crossings[i + 1]; ++column)
+            for (int column = std::max(0, int(std::ceil(crossings[i]))); column < width && column <= crossings[i + 1];
+                 ++column)
                 mask.pixels[std::size_t(row) * std::size_t(width) + std::size_t(column)] = mask_liquid;
     }
     return mask;
@@ -137,8 +141,10 @@ Mask read_region(const std::string& text, int width, int height, const std::stri
     if (!std::filesystem::is_regular_file(text)) throw no_polygon(text, where);
     auto mask = read_mask(text);
     if (mask.width != width || mask.height != height)
-        throw InputError({where + " = " + text, "is " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
-                          "the clip is " + std::to_string(width) + " x " + std::to_string(height), "give a picture of the clip's size, upright"});
+        throw InputError(
+            {where + " = " + text, "is " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels",
+                "the clip is " + std::to_string(width) + " x " + std::to_string(height),
+                "give a picture of the clip's size, upright"});
     for (auto& value : mask.pixels) value = value >= 128 ? mask_liquid : mask_background;
     return mask;
 }

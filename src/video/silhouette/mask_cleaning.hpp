@@ -6,8 +6,8 @@ namespace treacle::video {
 
 // Report of what cleaning took away or added.
 struct CleaningReport {
-    int parts = 0;          // that are kept
-    int specks = 0;         // dropped for their size or place
+    int parts = 0;           // that are kept
+    int specks = 0;          // dropped for their size or place
     std::size_t dropped = 0; // their area [px]
     std::size_t filled = 0;  // of holes [px]
 };

@@ -11,9 +11,10 @@ namespace treacle::video {
 
 namespace {
 constexpr std::size_t most_points = 20000;
-constexpr int cell = 16;              // points are spread: some of each cell of the picture [px]
-constexpr float min_gradient = 1.2F;     // [grey levels / px], above noise
-constexpr double least_information = 2e3; // sum of squared gradients in the weaker direction, for a few hundredths of a pixel
+constexpr int cell = 16;             // points are spread: some of each cell of the picture [px]
+constexpr float min_gradient = 1.2F; // [grey levels / px], above noise
+constexpr double least_information =
+    2e3; // sum of squared gradients in the weaker direction, for a few hundredths of a pixel
 
 constexpr double least_change = 8; // of a point, or what it changes by in one pixel [grey levels of 255]
 
@@ -51,7 +52,8 @@ Registration::Registration(const Image& reference, const std::vector<unsigned ch
     cv::setNumThreads(1);
     const cv::Mat grey = grey_of(reference);
     std::vector<Point> found;
-    const auto in_cell = std::max<std::size_t>(4, most_points / (std::size_t(width_ / cell + 1) * std::size_t(height_ / cell + 1)));
+    const auto in_cell =
+        std::max<std::size_t>(4, most_points / (std::size_t(width_ / cell + 1) * std::size_t(height_ / cell + 1)));
     std::vector<Point> here;
     for (int top = 4; top < height_ - 4; top += cell)
         for (int left = 4; left < width_ - 4; left += cell) {
@@ -145,7 +147,8 @@ Image undo_shift(const Image& frame, const FrameShift& shift) {
     const double c = std::cos(shift.angle), s = std::sin(shift.angle);
     const cv::Matx23d map(c, -s, cx - c * cx + s * cy + shift.x, s, c, cy - s * cx - c * cy + shift.y);
     cv::Mat moved;
-    cv::warpAffine(pixels_of(frame), moved, map, {frame.width, frame.height}, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+    cv::warpAffine(pixels_of(frame), moved, map, {frame.width, frame.height}, cv::INTER_CUBIC | cv::WARP_INVERSE_MAP,
+        cv::BORDER_REPLICATE);
     return rgb_image_of(moved);
 }
 

@@ -9,11 +9,11 @@ namespace treacle::video {
 // Motion of a frame against the reference: the point p of the reference is seen at
 // q = c + R(angle) (p - c) + shift, with c the picture's centre.
 struct FrameShift {
-    double x = 0, y = 0;     // [px]
-    double angle = 0;        // [rad]
-    double gain = 1;         // brightness of the frame over that of the reference
-    double changed = 0;      // share of the background's points that fit neither
-    bool known = false;      // false where the background has no texture to go by
+    double x = 0, y = 0;                         // [px]
+    double angle = 0;                            // [rad]
+    double gain = 1;                             // brightness of the frame over that of the reference
+    double changed = 0;                          // share of the background's points that fit neither
+    bool known = false;                          // false where the background has no texture to go by
     double largest(int width, int height) const; // displacement of a pixel [px]
 };
 

@@ -125,7 +125,8 @@ RoughMask RoughMasks::ready(const Image& frame, const std::string& name) {
     if (!liquid_is_dark_) liquid_is_dark_ = edge_is_light(grey, 127);
     const int between = cv::countNonZero((grey > 40) & (grey < 215));
     if (between > int(grey.total() / 50))
-        throw InputError({name, "is no mask", std::to_string(between) + " of its pixels are neither black nor white", "choose another --method for a film"});
+        throw InputError({name, "is no mask", std::to_string(between) + " of its pixels are neither black nor white",
+            "choose another --method for a film"});
     return {mask_of(*liquid_is_dark_ ? cv::Mat(grey < 128) : cv::Mat(grey >= 128)), 1, 0};
 }
 

@@ -42,21 +42,21 @@ struct SilhouetteSettings {
         void declare(Declaration& d);
     } empty;
 
-    double deviations = 4;      // gmm, difference: of the noise, above which a pixel is foreground
-    double min_difference = 12; // difference: grey levels of 255
-    double shadow_ratio = 0.5;  // gmm, difference: darker than this share of the background is no shadow
+    double deviations = 4;        // gmm, difference: of the noise, above which a pixel is foreground
+    double min_difference = 12;   // difference: grey levels of 255
+    double shadow_ratio = 0.5;    // gmm, difference: darker than this share of the background is no shadow
     double highlight_ratio = 1.1; // difference: brighter up to this ratio, in the same colour, is no liquid
-    double level = 0;           // threshold: grey level of 255; 0: Otsu's
+    double level = 0;             // threshold: grey level of 255; 0: Otsu's
     MaskPolarity liquid = MaskPolarity::automatic; // threshold, masks: is dark or light
-    Vec3 colour{0, 0, 0};       // colour: of the liquid, red green blue of 255
-    double tolerance = 60;      // colour: distance in red green blue
+    Vec3 colour{0, 0, 0};                          // colour: of the liquid, red green blue of 255
+    double tolerance = 60;                         // colour: distance in red green blue
 
-    bool brightness = true;     // drift of the exposure is taken out
-    bool registration = true;   // frames are shifted onto the first
-    double max_shift = 20;      // a larger one is a moving camera [px]
-    double max_changed = 0.5;  // share of the background that may change
+    bool brightness = true;   // drift of the exposure is taken out
+    bool registration = true; // frames are shifted onto the first
+    double max_shift = 20;    // a larger one is a moving camera [px]
+    double max_changed = 0.5; // share of the background that may change
 
-    bool sub_pixel = true;      // contour at half way between liquid and background, as they are there
+    bool sub_pixel = true; // contour at half way between liquid and background, as they are there
     // Automatic: the space in which blurred contours of the clip are more even.
     MixingSpace mixing = MixingSpace::automatic;
     double closing = 2, opening = 2;           // radius of the disc [px]

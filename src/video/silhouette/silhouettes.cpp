@@ -47,13 +47,14 @@ struct SilhouetteMaker::State {
     RoughMasks rough;
     MixingSpace mixing;
     std::vector<std::string> notes;
-    FrameShift shift;       // of the frame before
+    FrameShift shift; // of the frame before
     double largest_shift = 0;
     double edge_width = 0;
     Mask before, first;
 
     State(FrameSource& frames, const SilhouetteSettings& wanted)
-        : source(frames), settings(wanted), count(std::ssize(frames.info().stamps)), rough(wanted), mixing(wanted.mixing) {
+        : source(frames), settings(wanted), count(std::ssize(frames.info().stamps)), rough(wanted),
+          mixing(wanted.mixing) {
         const int width = source.info().width, height = source.info().height;
         if (!settings.region.empty()) region = read_region(settings.region, width, height, "region");
         if (!settings.start.empty()) start = read_region(settings.start, width, height, "start");
@@ -61,12 +62,14 @@ struct SilhouetteMaker::State {
             const auto& e = settings.exclusions[i];
             const auto where = "exclusions." + (e.name.empty() ? std::to_string(i) : e.name);
             exclusions.push_back({read_frame_span(e.frames, where + ".frames"),
-                                  read_region(e.polygon.empty() ? e.picture : e.polygon, width, height, where)});
+                read_region(e.polygon.empty() ? e.picture : e.polygon, width, height, where)});
         }
     }
 
     std::string name_of(std::int64_t index) const { return source.info().file + ", frame " + std::to_string(index); }
-    bool compares() const { return settings.method == SilhouetteMethod::gmm || settings.method == SilhouetteMethod::difference; }
+    bool compares() const {
+        return settings.method == SilhouetteMethod::gmm || settings.method == SilhouetteMethod::difference;
+    }
     bool photographs() const { return settings.method != SilhouetteMethod::masks; }
 
     // Registered onto the first frame. InputError for a camera that moves.
@@ -75,11 +78,12 @@ struct SilhouetteMaker::State {
         shift = follow_shift(registration, frame.image, shift);
         const double moved = shift.largest(frame.image.width, frame.image.height);
         if (shift.changed > settings.max_changed || moved > settings.max_shift)
-            throw InputError({name_of(frame.index), "the camera moves: " + (shift.changed > settings.max_changed
-                                  ? percent(shift.changed) + " of the background has changed"
-                                  : "the background is shifted by " + tenths(moved) + " px"),
-                              "silhouettes need a camera that stands still",
-                              "film from a stand, cut the clip there, or raise max_changed or max_shift"});
+            throw InputError({name_of(frame.index),
+                "the camera moves: " + (shift.changed > settings.max_changed
+                                               ? percent(shift.changed) + " of the background has changed"
+                                               : "the background is shifted by " + tenths(moved) + " px"),
+                "silhouettes need a camera that stands still",
+                "film from a stand, cut the clip there, or raise max_changed or max_shift"});
         largest_shift = std::max(largest_shift, moved);
         frame.image = undo_shift(frame.image, shift);
     }
@@ -126,7 +130,8 @@ struct SilhouetteMaker::State {
             out.edge_width = refined.edge_width;
             out.faint = refined.faint;
             out.contrast = refined.contrast;
-            if (refined.edge_width > 0) edge_width = edge_width > 0 ? 0.7 * edge_width + 0.3 * refined.edge_width : refined.edge_width;
+            if (refined.edge_width > 0)
+                edge_width = edge_width > 0 ? 0.7 * edge_width + 0.3 * refined.edge_width : refined.edge_width;
         }
         if (photographs()) out.cleaning = clean_mask(out.mask, settings, seeds());
         out.shift = shift;
@@ -162,7 +167,8 @@ struct SilhouetteMaker::State {
         if (settings.registration) {
             registration = Registration(frame.image, {});
             if (!registration.possible())
-                notes.push_back("the background has too little texture: frames are not registered, and a camera that moves would not be noticed");
+                notes.push_back("the background has too little texture: frames are not registered, and a camera that "
+                                "moves would not be noticed");
         }
         if (compares()) {
             auto empty = learn_empty_scene(source, settings, registration, progress);
@@ -201,7 +207,8 @@ struct SilhouetteMaker::State {
                 for (int x = 0; x < grey.cols; ++x) ++histogram[grey.at<std::uint8_t>(y, x)];
         }
         rough.set_level(histogram);
-        notes.push_back("grey level " + tenths(rough.level()) + " of 255 parts liquid and background, by Otsu's method");
+        notes.push_back(
+            "grey level " + tenths(rough.level()) + " of 255 parts liquid and background, by Otsu's method");
     }
 
     void find_mixing(const std::vector<TimedFrame>& seen) {
@@ -224,7 +231,7 @@ struct SilhouetteMaker::State {
 };
 
 SilhouetteMaker::SilhouetteMaker(FrameSource& source, const SilhouetteSettings& settings,
-                                 const std::function<void(std::int64_t, std::int64_t)>& progress)
+    const std::function<void(std::int64_t, std::int64_t)>& progress)
     : state_(std::make_unique<State>(source, settings)) {
     cv::setNumThreads(1);
     state_->prepare(progress);

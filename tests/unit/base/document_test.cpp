@@ -21,9 +21,12 @@ TEST(Yaml, ATabInTheIndentationIsNamed) {
         return "accepted";
     };
     for (const std::string text : {"a:\n\tb: 1\n", "a:\n  b: 1\n\tc: 2\n", "a: 1\n\tb: 2\n", "a:\n  b: 1\n \tc: 2\n",
-                                   "a:\n -\tb: 1\n   c: 2\n", "a:\n\t- b: 1\n"}) {
-        const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find('\t')), '\n') + 1;
-        EXPECT_TRUE(message(text).starts_with("scene.yaml:" + std::to_string(line) + ": is not YAML: a tab stands in the indentation")) << message(text);
+             "a:\n -\tb: 1\n   c: 2\n", "a:\n\t- b: 1\n"}) {
+        const auto line =
+            std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find('\t')), '\n') + 1;
+        EXPECT_TRUE(message(text).starts_with(
+            "scene.yaml:" + std::to_string(line) + ": is not YAML: a tab stands in the indentation"))
+            << message(text);
     }
     EXPECT_EQ(message("a:\t1\nb: {\n\tc: 2}\nd: 3\t# more\n"), "accepted");
     EXPECT_EQ(message("a: [1\nb: 2\n").find("tab"), std::string::npos);
@@ -31,11 +34,11 @@ TEST(Yaml, ATabInTheIndentationIsNamed) {
 
 TEST(Document, ADuplicateKeyIsAnErrorAtItsSecondPlace) {
     EXPECT_EQ(problems("width: 1\nparts: []\nwidth: 2\n"),
-              (Messages{"scene.yaml:3: the key width stands twice; it is already given at scene.yaml:1; "
-                        "remove one of them."}));
+        (Messages{"scene.yaml:3: the key width stands twice; it is already given at scene.yaml:1; "
+                  "remove one of them."}));
     EXPECT_EQ(problems("parts:\n  - box: {}\n    mass: 1\n    mass: 1\n"),
-              (Messages{"scene.yaml:4: the key mass stands twice; it is already given at scene.yaml:3; "
-                        "remove one of them."}));
+        (Messages{"scene.yaml:4: the key mass stands twice; it is already given at scene.yaml:3; "
+                  "remove one of them."}));
 }
 
 TEST(Document, AnAliasStandsForItsAnchor) {
@@ -45,8 +48,8 @@ TEST(Document, AnAliasStandsForItsAnchor) {
 }
 
 TEST(Document, ASyntaxErrorHasItsLine) {
-    for (const char* text : {"width: 1\nparts: [", "width: 1\n\tparts: []", "width: 1\nparts: {a",
-                             "a: 1\n  b: 2\n", "a: \"x\n", "a: *b\n", "a: 'x", "? [", "%YAML 9\na"}) {
+    for (const char* text : {"width: 1\nparts: [", "width: 1\n\tparts: []", "width: 1\nparts: {a", "a: 1\n  b: 2\n",
+             "a: \"x\n", "a: *b\n", "a: 'x", "? [", "%YAML 9\na"}) {
         const std::string source = text;
         try {
             document(source);
@@ -59,14 +62,12 @@ TEST(Document, ASyntaxErrorHasItsLine) {
 }
 
 TEST(Document, WhatIsNoSceneIsAnError) {
-    EXPECT_EQ(problems(""),
-              (Messages{"scene.yaml:1: the file is empty; a scene is lines of the form `key: value`; "
-                        "start from a file in inputs/."}));
+    EXPECT_EQ(problems(""), (Messages{"scene.yaml:1: the file is empty; a scene is lines of the form `key: value`; "
+                                      "start from a file in inputs/."}));
     EXPECT_EQ(problems("- a\n")[0].rfind("scene.yaml:1: is not a block of keys", 0), 0u);
     EXPECT_EQ(problems("just words\n")[0].rfind("scene.yaml:1: is not a block of keys", 0), 0u);
     EXPECT_EQ(problems("a: 1\n---\nb: 1\n")[0].rfind("scene.yaml:3: a second document starts", 0), 0u);
-    EXPECT_EQ(problems("width: !!float 1\n")[0].rfind("scene.yaml:1: the tag tag:yaml.org,2002:float", 0),
-              0u);
+    EXPECT_EQ(problems("width: !!float 1\n")[0].rfind("scene.yaml:1: the tag tag:yaml.org,2002:float", 0), 0u);
     EXPECT_EQ(problems("[a]: 1\n")[0].rfind("scene.yaml:1: a key is not a word", 0), 0u);
     EXPECT_EQ(problems(std::string("a: 1\0", 5))[0].rfind("scene.yaml:1: is not a text file", 0), 0u);
 }
@@ -80,8 +81,7 @@ TEST(Document, AliasesThatMultiplyOrNestWithoutEndAreErrors) {
         laughs += before + " ]\n";
     }
     EXPECT_NE(problems(laughs)[0].find("more than a million values"), std::string::npos);
-    EXPECT_NE(
-        problems("a: " + std::string(100, '[') + std::string(100, ']'))[0].find("nested more than 64 deep"),
+    EXPECT_NE(problems("a: " + std::string(100, '[') + std::string(100, ']'))[0].find("nested more than 64 deep"),
         std::string::npos);
     EXPECT_NE(problems("a: &a [*a ]\n")[0].find("inside its own anchor"), std::string::npos);
     std::string keys;
@@ -127,17 +127,17 @@ TEST(Set, ErrorsNameTheOverride) {
     EXPECT_EQ(problems(small, {"width=-3"})[0], "--set width=-3: width = -3 m: must be > 0 and <= 10.");
     EXPECT_EQ(problems(small, {"wdth=3"})[0], "--set wdth=3: wdth is not a known key; did you mean width?");
     EXPECT_EQ(problems(small, {"parts.one.mess=3"})[0],
-              "--set parts.one.mess=3: parts.one.mess is not a known key; did you mean mass?");
+        "--set parts.one.mess=3: parts.one.mess is not a known key; did you mean mass?");
 }
 
 TEST(Set, WhatDoesNotFitIsAnError) {
     EXPECT_EQ(problems(small, {"parts.1.mass=2"})[0],
-              "--set parts.1.mass=2: there is no item 1; the list has 1 items, counted from 0.");
+        "--set parts.1.mass=2: there is no item 1; the list has 1 items, counted from 0.");
     EXPECT_EQ(problems(small, {"parts.onee.mass=2"})[0],
-              "--set parts.onee.mass=2: there is no item named onee; the names are one; did you mean one?");
+        "--set parts.onee.mass=2: there is no item named onee; the names are one; did you mean one?");
     EXPECT_EQ(problems("side: red\n" + std::string(small), {"side.layers=2"})[0],
-              "--set side.layers=2: layers would be a key of \"red\", which is not a block; it is given at "
-              "scene.yaml:1; override it as a whole, for instance ={...}.");
+        "--set side.layers=2: layers would be a key of \"red\", which is not a block; it is given at "
+        "scene.yaml:1; override it as a whole, for instance ={...}.");
     for (const char* assignment : {"width", "=3", "a..b=3", ".a=1", ""}) {
         EXPECT_NE(problems(small, {assignment})[0].find("is not of the form a.b.c=value"), std::string::npos);
     }
@@ -151,14 +151,10 @@ TEST(Set, SeveralBadOnesAreReportedTogether) {
 
 // Pieces of YAML put together at random: an InputError or success, nothing else, and soon.
 TEST(Document, RandomTextsAreReadOrRejected) {
-    const std::vector<std::string> pieces{
-        "width", "side",  "parts", "pull", "tags",  "name",   "box",    ": ",
-        ":",     "- ",    "-",     "\n",   "\n  ",  "\n    ", " ",      "[",
-        "]",     "{",     "}",     ", ",   "&a ",   "*a",     "!!str ", "!x",
-        "\"",    "'",     "|\n  ", ">-\n", "#",     "? ",     "<<",     "~",
-        "null",  "1e999", "-1",    ".nan", ".inf",  "5 mm",   "true",   "99999999999999999999",
-        "\t",    "%",     "@",     "`",    "---\n", "...\n",  "\xff",   "\xc3\xa4",
-        "\\",    "\\x",   "0x1",   "\r\n", "=",     "red"};
+    const std::vector<std::string> pieces{"width", "side", "parts", "pull", "tags", "name", "box", ": ", ":", "- ", "-",
+        "\n", "\n  ", "\n    ", " ", "[", "]", "{", "}", ", ", "&a ", "*a", "!!str ", "!x", "\"", "'", "|\n  ", ">-\n",
+        "#", "? ", "<<", "~", "null", "1e999", "-1", ".nan", ".inf", "5 mm", "true", "99999999999999999999", "\t", "%",
+        "@", "`", "---\n", "...\n", "\xff", "\xc3\xa4", "\\", "\\x", "0x1", "\r\n", "=", "red"};
     std::mt19937 random(7);
     for (int i = 0; i < 20000; ++i) {
         std::string text = i % 2 == 0 ? "" : small;

@@ -39,48 +39,44 @@ TEST(Effective, ParsesToTheIdenticalStruct) {
 }
 
 TEST(Effective, HasEveryKeyWithItsUnit) {
-    EXPECT_EQ(effective(read("parts: [{name: one, disc: {radius: 5 mm}}]\n")),
-              "width: 0.25 m\n"
-              "hollow: false\n"
-              "title: \"plain\"\n"
-              "tags: [\"a\", \"b\"]\n"
-              "pull: [0 m/s2, 0 m/s2, -9.81 m/s2]\n"
-              "axis: [0, 0, 1]\n"
-              "side:\n"
-              "  colour: red\n"
-              "  layers: 2\n"
-              "parts:\n"
-              "  - name: \"one\"\n"
-              "    length: 0.5 m\n"
-              "    mass: 1 kg\n"
-              "    disc:\n"
-              "      radius: 0.005 m\n");
+    EXPECT_EQ(effective(read("parts: [{name: one, disc: {radius: 5 mm}}]\n")), "width: 0.25 m\n"
+                                                                               "hollow: false\n"
+                                                                               "title: \"plain\"\n"
+                                                                               "tags: [\"a\", \"b\"]\n"
+                                                                               "pull: [0 m/s2, 0 m/s2, -9.81 m/s2]\n"
+                                                                               "axis: [0, 0, 1]\n"
+                                                                               "side:\n"
+                                                                               "  colour: red\n"
+                                                                               "  layers: 2\n"
+                                                                               "parts:\n"
+                                                                               "  - name: \"one\"\n"
+                                                                               "    length: 0.5 m\n"
+                                                                               "    mass: 1 kg\n"
+                                                                               "    disc:\n"
+                                                                               "      radius: 0.005 m\n");
 }
 
 TEST(Manual, ListsEveryKeyWithTypeRangeDefaultAndSentence) {
     const auto text = manual(Sample{});
     EXPECT_EQ(text.rfind("width: number [m], > 0 and <= 10, default 0.25 m\n    The width.\n", 0), 0u);
-    for (const char* line :
-         {"hollow: true or false, default false\n", "title: text, default \"plain\"\n",
-          "tags: list of a, b, c, default [a, b]\n", "pull: 3 numbers [m/s2], default [0, 0, -9.81]\n",
-          "side: block, or a word for its colour\n", "  colour: one of red, green, default red\n",
-          "  layers: whole number, in [1, 9], default 2\n", "parts: list of blocks, required\n",
-          "  disc: block, one of these is given\n", "    radius: number [m], > 0, default 1 m\n"}) {
+    for (const char* line : {"hollow: true or false, default false\n", "title: text, default \"plain\"\n",
+             "tags: list of a, b, c, default [a, b]\n", "pull: 3 numbers [m/s2], default [0, 0, -9.81]\n",
+             "side: block, or a word for its colour\n", "  colour: one of red, green, default red\n",
+             "  layers: whole number, in [1, 9], default 2\n", "parts: list of blocks, required\n",
+             "  disc: block, one of these is given\n", "    radius: number [m], > 0, default 1 m\n"}) {
         EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
     }
 }
 
 TEST(Manual, OfOneKeyHasItsUnitsAndReason) {
-    EXPECT_EQ(manual(Sample{}, "parts.length"),
-              "parts.length: number [m], > 0, default 0.5 m\n"
-              "    Its length.\n"
-              "    Plain numbers are in m; with a unit: m, cm, mm, um, km.\n"
-              "    lengths are positive; write 5 mm.\n");
-    EXPECT_EQ(manual(Sample{}, "parts.0.length"),
-              "parts.0.length: number [m], > 0, default 0.5 m\n"
-              "    Its length.\n"
-              "    Plain numbers are in m; with a unit: m, cm, mm, um, km.\n"
-              "    lengths are positive; write 5 mm.\n");
+    EXPECT_EQ(manual(Sample{}, "parts.length"), "parts.length: number [m], > 0, default 0.5 m\n"
+                                                "    Its length.\n"
+                                                "    Plain numbers are in m; with a unit: m, cm, mm, um, km.\n"
+                                                "    lengths are positive; write 5 mm.\n");
+    EXPECT_EQ(manual(Sample{}, "parts.0.length"), "parts.0.length: number [m], > 0, default 0.5 m\n"
+                                                  "    Its length.\n"
+                                                  "    Plain numbers are in m; with a unit: m, cm, mm, um, km.\n"
+                                                  "    lengths are positive; write 5 mm.\n");
 }
 
 TEST(Manual, OfAnUnknownKeySuggestsOne) {
@@ -103,11 +99,10 @@ TEST(JsonSchema, HasTypesRangesAndRequiredKeys) {
     for (const char c : text) {
         if (c != ' ' && c != '\n') dense += c;
     }
-    for (const char* part :
-         {"\"additionalProperties\":false", "\"required\":[\"parts\"]",
-          "\"exclusiveMinimum\":0.0,\"maximum\":10.0", "{\"enum\":[\"red\",\"green\"]",
-          "\"oneOf\":[{\"required\":[\"box\"]},{\"required\":[\"disc\"]}]", "\"minimum\":1.0,\"maximum\":9.0",
-          "\"minItems\":2,\"maxItems\":3", "\"default\":\"0.25m\"", "\"description\":\"Thewidth.[m]\""}) {
+    for (const char* part : {"\"additionalProperties\":false", "\"required\":[\"parts\"]",
+             "\"exclusiveMinimum\":0.0,\"maximum\":10.0", "{\"enum\":[\"red\",\"green\"]",
+             "\"oneOf\":[{\"required\":[\"box\"]},{\"required\":[\"disc\"]}]", "\"minimum\":1.0,\"maximum\":9.0",
+             "\"minItems\":2,\"maxItems\":3", "\"default\":\"0.25m\"", "\"description\":\"Thewidth.[m]\""}) {
         EXPECT_NE(dense.find(part), std::string::npos) << part << "\n" << text;
     }
 }

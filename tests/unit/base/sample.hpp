@@ -23,18 +23,13 @@ struct Part {
     void declare(Declaration& d) {
         d.text("name", name, "Its name.");
         d.number("length", length, unit::length, range_above(0).because("lengths are positive", "write 5 mm"),
-                 "Its length.");
+            "Its length.");
         d.number("mass", mass, unit::mass, range_any(), "Its mass.");
         d.one_of<int>(disc,
-                      {{0,
-                        {"box", [this](Declaration& b) { b.vec3("corner", corner, unit::length, "Corner."); },
-                         "A box."}},
-                       {1,
-                        {"disc",
-                         [this](Declaration& b) {
-                             b.number("radius", radius, unit::length, range_above(0), "Radius.");
-                         },
-                         "A disc."}}});
+            {{0, {"box", [this](Declaration& b) { b.vec3("corner", corner, unit::length, "Corner."); }, "A box."}},
+                {1, {"disc",
+                        [this](Declaration& b) { b.number("radius", radius, unit::length, range_above(0), "Radius."); },
+                        "A disc."}}});
     }
 };
 
@@ -70,8 +65,7 @@ struct Sample {
         d.block("side", side, "A side.", "colour");
         d.list("parts", parts, "The parts.");
         d.required("parts");
-        d.check(width < 5 || hollow, "hollow",
-                {"must be true for a wide one", "it would be heavy", "write true"});
+        d.check(width < 5 || hollow, "hollow", {"must be true for a wide one", "it would be heavy", "write true"});
         Side other = spare.empty() ? Side{} : spare[0];
         const bool present = d.optional_block(
             "spare", !spare.empty(), [&](Declaration& s) { other.declare(s); }, "Another side.");
@@ -91,8 +85,7 @@ inline Sample read(const std::string& text, const std::vector<std::string>& over
 }
 
 // The messages of the InputError that reading must throw.
-inline std::vector<std::string> problems(const std::string& text,
-                                         const std::vector<std::string>& overrides = {}) {
+inline std::vector<std::string> problems(const std::string& text, const std::vector<std::string>& overrides = {}) {
     std::vector<std::string> out;
     try {
         read(text, overrides);

@@ -51,8 +51,7 @@ TEST(FormatNumber, ReadsBackAsTheSameDouble) {
 
 TEST(ReadNumber, TakesTheWholeTextOrNothing) {
     EXPECT_EQ(read_number("+1.5e2"), 150);
-    for (const char* text : {"", "1x", "x", "1 2", "+", "--1", "+-1", "0x10"})
-        EXPECT_FALSE(read_number(text)) << text;
+    for (const char* text : {"", "1x", "x", "1 2", "+", "--1", "+-1", "0x10"}) EXPECT_FALSE(read_number(text)) << text;
 }
 
 TEST(ReadNumber, TellsTooLargeFromTooSmall) {

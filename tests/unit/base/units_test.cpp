@@ -90,10 +90,8 @@ TEST(ReadQuantity, AnotherDimensionIsRejectedWithTheAcceptedUnits) {
 }
 
 TEST(ReadQuantity, AnUnknownUnitIsRejected) {
-    for (const char* text :
-         {"5 furlong", "5 m^", "5 m^x", "5 m//s", "5 /m", "5 m.", "5 m^12", "5 kkg", "5 (m)"}) {
-        EXPECT_NE(complaint(text, unit::length).reason.find("is not a known unit"), std::string::npos)
-            << text;
+    for (const char* text : {"5 furlong", "5 m^", "5 m^x", "5 m//s", "5 /m", "5 m.", "5 m^12", "5 kkg", "5 (m)"}) {
+        EXPECT_NE(complaint(text, unit::length).reason.find("is not a known unit"), std::string::npos) << text;
     }
 }
 
@@ -105,8 +103,7 @@ TEST(ReadQuantity, WhatIsNotANumberIsRejected) {
 }
 
 TEST(ReadQuantity, NonFiniteNumbersAreRejected) {
-    for (const char* text :
-         {"inf", "-inf", ".inf", "-.INF", "nan", ".NaN", "Infinity", "1e999", "1e308 km"}) {
+    for (const char* text : {"inf", "-inf", ".inf", "-.INF", "nan", ".NaN", "Infinity", "1e999", "1e308 km"}) {
         EXPECT_EQ(complaint(text, unit::length).must, "must be finite") << text;
     }
 }

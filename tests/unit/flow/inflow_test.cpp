@@ -38,7 +38,8 @@ TEST(Inlets, MakeALayerWhenItIsHalfASpacingPastTheOpening) {
 }
 
 TEST(Outlets, TakeWhatIsInABoxOrBehindAPlane) {
-    const auto outlets = make_outlets({{true, {0, 0, 0}, {1, 1, 1}, {}, {}}, {false, {}, {}, {5, 0, 0}, {-1, 0, 0}}}, 3);
+    const auto outlets =
+        make_outlets({{true, {0, 0, 0}, {1, 1, 1}, {}, {}}, {false, {}, {}, {5, 0, 0}, {-1, 0, 0}}}, 3);
     const auto takes = [&](double x, double y, double z) {
         const double place[3] = {x, y, z};
         return outlets.take(place);

@@ -22,7 +22,8 @@ protected:
         Seeding seeding;
         seeding.liquids = {{test::ball({0.47, 0.52, dimensions == 3 ? 0.44 : 0}, 0.26, dimensions)}};
         seeding.viscosities = {2, 50};
-        if (two_liquids) seeding.liquids.insert(seeding.liquids.begin(), {test::box({0, 0, -1}, {0.5, 1, 1}, dimensions)});
+        if (two_liquids)
+            seeding.liquids.insert(seeding.liquids.begin(), {test::box({0, 0, -1}, {0.5, 1, 1}, dimensions)});
         to.fill(seeding);
     }
     // Velocity and affine matrix of all particles, ghosts too; the same numbers whatever the ranks.
@@ -91,7 +92,8 @@ TEST_P(TransferCase, AnAffineFieldGoesToTheFacesAndBackUnchanged) {
     if (dimensions == 2) gradient = {Vec3{1, -2, 0}, Vec3{0.25, 3, 0}, Vec3{0, 0, 0}};
     set_affine(liquid, u0, gradient);
     FaceField mass, velocity;
-    particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
+    particles_to_faces(
+        liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
     for (int a = 0; a < dimensions; ++a) {
         const auto m = on_host(mass.axis[a]), u = on_host(velocity.axis[a]);
         const CellBox owned = liquid.faces.owned();
@@ -125,7 +127,8 @@ TEST_P(TransferCase, BothDirectionsKeepMassAndMomentum) {
     set_wild(liquid);
     FaceField mass, velocity;
     const auto to_faces = [&] {
-        particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
+        particles_to_faces(
+            liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
     };
     to_faces();
     const auto before = grid_momentum(liquid, mass, velocity);
@@ -149,7 +152,8 @@ TEST_P(TransferCase, FacesHaveTheNumbersOfOneRank) {
     set_wild(liquid);
     set_wild(one);
     FaceField mass, velocity, mass1, velocity1;
-    particles_to_faces(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
+    particles_to_faces(
+        liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), mass, velocity);
     particles_to_faces(one.grid, {one.particles, one.cells, one.mass}, one.faces.window(), mass1, velocity1);
     FaceValidity known, known1;
     mark_faces(liquid.grid, liquid.faces.window(), mass, 0, known);
@@ -178,7 +182,8 @@ TEST_P(TransferCase, ViscositiesAreHarmonicMeansOfTheParticlesAround) {
     fill(liquid, true);
     Array<double> centres("treacle::viscosity", 0);
     EdgeField edges;
-    harmonic_viscosities(liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), centres, edges);
+    harmonic_viscosities(
+        liquid.grid, {liquid.particles, liquid.cells, liquid.mass}, liquid.faces.window(), centres, edges);
     const auto eta = on_host(centres), shear = on_host(edges.axis[2]);
     const CellBox owned = liquid.faces.owned();
     std::int64_t pure[2] = {0, 0}, mixed = 0;
@@ -231,7 +236,8 @@ TEST_P(TransferCase, ChordsTurnParticlesAndTheirGradientsExactly) {
     Array3 kept("treacle::kept", liquid.particles.position().extent(0));
     Kokkos::deep_copy(kept, liquid.particles.position());
     const auto departures = advect({FaceSampler(liquid.grid, window, velocity), liquid.solids.sampler(),
-                                    make_domain_sides(liquid.grid, liquid.domain), {}, {}}, liquid.particles, 1);
+                                       make_domain_sides(liquid.grid, liquid.domain), {}, {}},
+        liquid.particles, 1);
     EXPECT_EQ(departures.lost + departures.outflow, 0);
     const auto from = on_host(kept), to = on_host(liquid.particles.position());
     const auto gx = on_host(liquid.particles.affine(0)), gy = on_host(liquid.particles.affine(1));
@@ -239,8 +245,8 @@ TEST_P(TransferCase, ChordsTurnParticlesAndTheirGradientsExactly) {
     for (std::size_t i = 0; i < std::size_t(liquid.particles.store.owned()); ++i) {
         const double x = from(i, 0) - 0.5, y = from(i, 1) - 0.5;
         worst = std::max({worst, std::abs(to(i, 0) - 0.5 - (x * std::cos(angle) - y * sine)),
-                          std::abs(to(i, 1) - 0.5 - (x * sine + y * std::cos(angle))), std::abs(gx(i, 0) - versine),
-                          std::abs(gx(i, 1) + sine), std::abs(gy(i, 0) - sine), std::abs(gy(i, 1) - versine)});
+            std::abs(to(i, 1) - 0.5 - (x * sine + y * std::cos(angle))), std::abs(gx(i, 0) - versine),
+            std::abs(gx(i, 1) + sine), std::abs(gy(i, 0) - sine), std::abs(gy(i, 1) - versine)});
     }
     EXPECT_LT(worst, 1e-13);
 }
@@ -264,8 +270,10 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
         }
         faces_to_particles(tank.grid, window, velocity, tank.particles);
         const auto out = advect({FaceSampler(tank.grid, window, velocity), tank.solids.sampler(),
-                                 make_domain_sides(tank.grid, domain), {}, {}}, tank.particles, dx);
-        return std::pair(tank.decomposition.comm().sum(std::int64_t(out.lost)), tank.decomposition.comm().sum(std::int64_t(out.outflow)));
+                                    make_domain_sides(tank.grid, domain), {}, {}},
+            tank.particles, dx);
+        return std::pair(tank.decomposition.comm().sum(std::int64_t(out.lost)),
+            tank.decomposition.comm().sum(std::int64_t(out.outflow)));
     };
     const auto all = tank.decomposition.comm().sum(std::int64_t(tank.particles.store.owned()));
     // Down and to the wall on the left, along the periodic axis: nothing is lost.
@@ -283,7 +291,8 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     tank.settle();
     const auto before = on_host(tank.particles.position());
     std::int64_t due = 0;
-    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i) due += before(i, 0) + 2 * dx > 1 ? 1 : 0;
+    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i)
+        due += before(i, 0) + 2 * dx > 1 ? 1 : 0;
     EXPECT_EQ(go({2, 0, 0}), std::pair(std::int64_t(0), tank.decomposition.comm().sum(due)));
     const auto cause = on_host(tank.particles.cause());
     const auto moved = on_host(tank.particles.position());
@@ -297,7 +306,8 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     domain.faces[1].outflow = false;
     due = 0;
     const auto still_there = on_host(tank.particles.position());
-    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i) due += still_there(i, 0) + 0.5 * dx > 1 ? 1 : 0;
+    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i)
+        due += still_there(i, 0) + 0.5 * dx > 1 ? 1 : 0;
     due = tank.decomposition.comm().sum(due);
     EXPECT_GT(due, 0);
     EXPECT_EQ(go({0.5, 0, 0}), std::pair(due, std::int64_t(0)));
@@ -313,9 +323,11 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
         bad(0, 0) = std::nan("");
         Kokkos::deep_copy(tank.particles.velocity(), bad);
         FaceField still;
-        for (int a = 0; a < dimensions; ++a) still.axis[a] = Array<double>("treacle::velocity", std::size_t(tank.faces.window().size()));
+        for (int a = 0; a < dimensions; ++a)
+            still.axis[a] = Array<double>("treacle::velocity", std::size_t(tank.faces.window().size()));
         const auto out = advect({FaceSampler(tank.grid, tank.faces.window(), still), tank.solids.sampler(),
-                                 make_domain_sides(tank.grid, domain), {}, {}}, tank.particles, dx);
+                                    make_domain_sides(tank.grid, domain), {}, {}},
+            tank.particles, dx);
         EXPECT_EQ(out.lost, 1);
         const auto gone = remove_departed(tank.particles);
         ASSERT_EQ(gone.size(), 1u);
@@ -350,7 +362,8 @@ TEST_P(TransferCase, BeyondAPeriodicSideParticlesMeetTheSolidsThatAreThere) {
         }
         faces_to_particles(tank.grid, tank.faces.window(), velocity, tank.particles);
         const auto out = advect({FaceSampler(tank.grid, tank.faces.window(), velocity), tank.solids.sampler(),
-                                 make_domain_sides(tank.grid, domain), {}, {}}, tank.particles, dx);
+                                    make_domain_sides(tank.grid, domain), {}, {}},
+            tank.particles, dx);
         EXPECT_EQ(out.lost, 0);
         const auto from = on_host(kept), to = on_host(tank.particles.position());
         for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i) {
@@ -367,7 +380,8 @@ TEST_P(TransferCase, SeedsDoNotDependOnTheRanks) {
     Liquid one(Comm::self(), test::make_domain(dimensions, {1, 1, 1}, dx));
     fill(liquid);
     fill(one);
-    EXPECT_EQ(liquid.decomposition.comm().sum(std::int64_t(liquid.particles.store.owned())), one.particles.store.owned());
+    EXPECT_EQ(
+        liquid.decomposition.comm().sum(std::int64_t(liquid.particles.store.owned())), one.particles.store.owned());
     const auto key = [](const Liquid& of) {
         const auto x = on_host(of.particles.position());
         const auto id = on_host(of.particles.id());
@@ -383,7 +397,7 @@ TEST_P(TransferCase, SeedsDoNotDependOnTheRanks) {
     for (std::size_t i = 0; i + 1 < all.size(); ++i) ASSERT_NE(all[i][0], all[i + 1][0]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Transfer, TransferCase, testing::Values(2, 3),
-                         [](const auto& info) { return std::to_string(info.param) + "D"; });
+INSTANTIATE_TEST_SUITE_P(
+    Transfer, TransferCase, testing::Values(2, 3), [](const auto& info) { return std::to_string(info.param) + "D"; });
 
 } // namespace treacle::grid::apic_test

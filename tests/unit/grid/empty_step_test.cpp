@@ -10,8 +10,8 @@ namespace {
 
 [[maybe_unused]] const auto* const solvers = testing::AddGlobalTestEnvironment(new sph::SolverEnvironment);
 
-const std::vector<Preconditioner> all_preconditioners{Preconditioner::multilevel, Preconditioner::boomeramg, Preconditioner::gamg,
-                                                      Preconditioner::incomplete_cholesky, Preconditioner::jacobi};
+const std::vector<Preconditioner> all_preconditioners{Preconditioner::multilevel, Preconditioner::boomeramg,
+    Preconditioner::gamg, Preconditioner::incomplete_cholesky, Preconditioner::jacobi};
 
 struct EmptyCase {
     std::string name;
@@ -28,8 +28,14 @@ double box(const Vec3& x, const Vec3& lower, const Vec3& upper) {
 const std::vector<EmptyCase>& empty_cases() {
     static const std::vector<EmptyCase> cases{
         {"no liquid", [](const Vec3&) { return 1.0; }},
-        {"one drop in the air", [](const Vec3& x) { return box(x, {0.6, 0.6, -1}, {0.66, 0.66, 2}); }},
-        {"a drop that leaves", [](const Vec3& x) { return box(x, {0.01, 0.01, -1}, {0.3, 0.1, 2}); }},
+        {"one drop in the air",
+            [](const Vec3& x) {
+                return box(x, {0.6, 0.6, -1}, {0.66, 0.66, 2});
+            }},
+        {"a drop that leaves",
+            [](const Vec3& x) {
+                return box(x, {0.01, 0.01, -1}, {0.3, 0.1, 2});
+            }},
     };
     return cases;
 }

@@ -51,7 +51,8 @@ struct Block {
         Kokkos::deep_copy(values, host);
         return values;
     }
-    void build(const Distance& solid, const Distance& liquid, FractionMethod method = FractionMethod::consistent, const WallPlanes& walls = {}) {
+    void build(const Distance& solid, const Distance& liquid, FractionMethod method = FractionMethod::consistent,
+        const WallPlanes& walls = {}) {
         builder.build(nodes, sample(solid), sample(liquid), method, fractions, walls);
     }
     // visit(cell, index)
@@ -73,14 +74,10 @@ struct Block {
 
 Distance plane(Point normal, double offset) {
     const double length = std::hypot(normal[0], normal[1], normal[2]);
-    return [=](const Point& x) {
-        return (normal[0] * x[0] + normal[1] * x[1] + normal[2] * x[2]) / length - offset;
-    };
+    return [=](const Point& x) { return (normal[0] * x[0] + normal[1] * x[1] + normal[2] * x[2]) / length - offset; };
 }
 Distance ball(Point centre, double radius) {
-    return [=](const Point& x) {
-        return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius;
-    };
+    return [=](const Point& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius; };
 }
 double nowhere(const Point&) { return 1; }
 
@@ -150,7 +147,8 @@ TEST_P(FractionCase, APlaneAtAnyAngleHasItsExactVolumeAtEveryPlace) {
                     for (double v : n) least = std::fabs(v) > 1e-12 ? std::min(least, std::fabs(v)) : least;
                     return least;
                 }();
-                const double due = 1 - cube_below(n, d, dimensions), tolerance = exact / std::min(1.0, smallest * smallest);
+                const double due = 1 - cube_below(n, d, dimensions),
+                             tolerance = exact / std::min(1.0, smallest * smallest);
                 ASSERT_NEAR(has_fluid(i), due, tolerance) << n[0] << " " << n[1] << " " << n[2];
                 ASSERT_NEAR(has_liquid(i), due, tolerance);
             });
@@ -158,10 +156,12 @@ TEST_P(FractionCase, APlaneAtAnyAngleHasItsExactVolumeAtEveryPlace) {
         check(f.cell_fluid, f.cell_liquid, [&](const int* c, double* x) { block.grid.centre(c, x); });
         check(f.cell_liquid_clipped, f.cell_liquid_clipped, [&](const int* c, double* x) { block.grid.centre(c, x); });
         for (int a = 0; a < dimensions; ++a) {
-            check(f.face_fluid.axis[a], f.face_liquid_clipped.axis[a], [&](const int* c, double* x) { block.grid.face(a, c, x); });
+            check(f.face_fluid.axis[a], f.face_liquid_clipped.axis[a],
+                [&](const int* c, double* x) { block.grid.face(a, c, x); });
         }
         for (int a = dimensions == 2 ? 2 : 0; a < 3; ++a) {
-            check(f.edge_liquid_clipped.axis[a], f.edge_liquid.axis[a], [&](const int* c, double* x) { block.grid.edge(a, c, x); });
+            check(f.edge_liquid_clipped.axis[a], f.edge_liquid.axis[a],
+                [&](const int* c, double* x) { block.grid.edge(a, c, x); });
         }
     }
 }
@@ -219,7 +219,8 @@ TEST_P(FractionCase, FacesEdgesAndCentresSumToOneVolume) {
     block.build(solid, liquid, FractionMethod::independent);
     double worst = 0;
     for (int a = 0; a < dimensions; ++a) {
-        worst = std::max(worst, std::fabs(block.sum(block.fractions.face_liquid.axis[a]) - block.sum(block.fractions.cell_liquid)));
+        worst = std::max(
+            worst, std::fabs(block.sum(block.fractions.face_liquid.axis[a]) - block.sum(block.fractions.cell_liquid)));
     }
     EXPECT_GT(worst, 1e-3); // cubes each by itself differ
 }
@@ -291,7 +292,8 @@ TEST_P(FractionCase, BodiesThatMeetAWallAreNotRoundedOffThere) {
     const int dimensions = GetParam();
     for (const double offset : {-0.21, -0.1, -0.04, 0.0, 0.07, 0.13}) {
         for (const Point& n : {Point{1, 0, 0}, Point{-1, 0, 0}}) {
-            Block block(dimensions, {4, 4, dimensions == 3 ? 4 : 1}), alone(dimensions, {4, 4, dimensions == 3 ? 4 : 1});
+            Block block(dimensions, {4, 4, dimensions == 3 ? 4 : 1}),
+                alone(dimensions, {4, 4, dimensions == 3 ? 4 : 1});
             WallPlanes walls;
             walls.dimensions = dimensions;
             for (const int side : {2, 5}) {
@@ -301,7 +303,8 @@ TEST_P(FractionCase, BodiesThatMeetAWallAreNotRoundedOffThere) {
             const auto body = plane(n, offset);
             const auto solids = [&](const Point& x) {
                 double out = body(x);
-                for (const int side : {2, 5}) out = walls.is_wall[side] ? std::min(out, walls.distance(side, x.data())) : out;
+                for (const int side : {2, 5})
+                    out = walls.is_wall[side] ? std::min(out, walls.distance(side, x.data())) : out;
                 return out;
             };
             block.build(solids, nowhere, FractionMethod::consistent, walls);
@@ -309,7 +312,8 @@ TEST_P(FractionCase, BodiesThatMeetAWallAreNotRoundedOffThere) {
             const auto cells = on_host(block.fractions.cell_fluid), due = on_host(alone.fractions.cell_fluid);
             block.for_cells([&](const int*, std::size_t i) { ASSERT_NEAR(cells(i), due(i), exact) << offset; });
             for (int a = 0; a < dimensions; ++a) {
-                const auto open = on_host(block.fractions.open.axis[a]), open_due = on_host(alone.fractions.open.axis[a]);
+                const auto open = on_host(block.fractions.open.axis[a]),
+                           open_due = on_host(alone.fractions.open.axis[a]);
                 block.for_cells([&](const int* c, std::size_t i) {
                     const bool in_wall = a == 1 && c[1] == 0; // the other wall is at the cells' upper end
                     ASSERT_NEAR(open(i), in_wall ? 0 : open_due(i), exact) << a << " " << offset;
@@ -327,7 +331,8 @@ TEST_P(FractionCase, BuildingAgainGivesWhatBuildingOnceGives) {
         block.build(ball({0.2 * step - 0.4, 0, 0}, 0.5), ball({0.1 * step, -0.2 * step, 0}, 0.7));
     }
     once.build(ball({0.4, 0, 0}, 0.5), ball({0.4, -0.8, 0}, 0.7));
-    const auto a = on_host(block.fractions.face_liquid_clipped.axis[1]), b = on_host(once.fractions.face_liquid_clipped.axis[1]);
+    const auto a = on_host(block.fractions.face_liquid_clipped.axis[1]),
+               b = on_host(once.fractions.face_liquid_clipped.axis[1]);
     const auto c = on_host(block.fractions.edge_fluid.axis[2]), d = on_host(once.fractions.edge_fluid.axis[2]);
     for (std::size_t i = 0; i < std::size_t(block.nodes.window.size()); ++i) {
         ASSERT_EQ(a(i), b(i));
@@ -380,11 +385,12 @@ TEST_P(FractionCase, SharesOfBodiesAndTheFluidFillTheCubes) {
             total += here;
         }
         const double due = alone.cells.size() - alone.sum(alone.fractions.face_fluid.axis[a]);
-        EXPECT_NEAR(total, due, 0.02 * due); // where they touch, the gap is narrower than a part: 1.8 % of a ball of 2 cells
+        EXPECT_NEAR(
+            total, due, 0.02 * due); // where they touch, the gap is narrower than a part: 1.8 % of a ball of 2 cells
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Fractions, FractionCase, testing::Values(2, 3),
-                         [](const auto& info) { return std::to_string(info.param) + "D"; });
+INSTANTIATE_TEST_SUITE_P(
+    Fractions, FractionCase, testing::Values(2, 3), [](const auto& info) { return std::to_string(info.param) + "D"; });
 
 } // namespace treacle::grid

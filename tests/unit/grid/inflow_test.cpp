@@ -11,7 +11,8 @@ constexpr double dx = 1.0 / 16, spacing = dx / 2; // [m]
 constexpr double speed = 1;                       // [m/s]
 
 // An opening of `across` particles, in space squared.
-flow::InletSetup square_inlet(const Vec3& centre, const Vec3& direction, const Vec3& along, int across, int dimensions) {
+flow::InletSetup square_inlet(
+    const Vec3& centre, const Vec3& direction, const Vec3& along, int across, int dimensions) {
     flow::InletSetup inlet;
     inlet.centre = centre;
     inlet.direction = direction;
@@ -20,7 +21,8 @@ flow::InletSetup square_inlet(const Vec3& centre, const Vec3& direction, const V
     const Vec3 second = rigid::cross(direction, along);
     for (int j = 0; j < (dimensions == 3 ? across : 1); ++j) {
         for (int i = 0; i < across; ++i) {
-            const double a = (i - 0.5 * (across - 1)) * spacing, b = dimensions == 3 ? (j - 0.5 * (across - 1)) * spacing : 0;
+            const double a = (i - 0.5 * (across - 1)) * spacing,
+                         b = dimensions == 3 ? (j - 0.5 * (across - 1)) * spacing : 0;
             Vec3 point;
             for (std::size_t k = 0; k < 3; ++k) point[k] = a * along[k] + b * second[k];
             inlet.points.push_back(point);
@@ -63,8 +65,9 @@ TEST_F(Inlet, AJetWithoutForcesKeepsItsSpeedAndLeavesNoGap) {
     const std::pair<Vec3, Vec3> ways[] = {{{1, 0, 0}, {0, 1, 0}}, {{0, 0, -1}, {1, 0, 0}}, {{c, s, 0}, {0, 0, 1}}};
     for (const double viscosity : {0.0, 10.0}) {
         for (const auto& [direction, row] : ways) {
-            const auto inlet = square_inlet({0.52 - 0.2 * direction[0], 0.47 - 0.2 * direction[1], 0.55 - 0.2 * direction[2]},
-                                            direction, row, 6, 3);
+            const auto inlet =
+                square_inlet({0.52 - 0.2 * direction[0], 0.47 - 0.2 * direction[1], 0.55 - 0.2 * direction[2]},
+                    direction, row, 6, 3);
             auto sample = pouring(3, inlet);
             sample.setup.viscosity = viscosity;
             auto step = started(comm, sample);
@@ -87,7 +90,8 @@ TEST_F(Inlet, AJetWithoutForcesKeepsItsSpeedAndLeavesNoGap) {
             }
             comm.sum(std::span<std::int64_t>(in_slice));
             // Slices of two layers: one of them may be on either side but for what the correction of places moved.
-            for (std::size_t k = 0; double(k + 2) * dx < speed * time; ++k) EXPECT_NEAR(double(in_slice[k]), 72, 40) << k;
+            for (std::size_t k = 0; double(k + 2) * dx < speed * time; ++k)
+                EXPECT_NEAR(double(in_slice[k]), 72, 40) << k;
         }
     }
 }
@@ -116,7 +120,8 @@ TEST_F(Inlet, HoldsAStiffRope) {
 TEST_F(Inlet, FillsATankByItsFlowRate) {
     const auto inlet = square_inlet({0.3, 0.3, 0}, {0, -1, 0}, {1, 0, 0}, 6, 2);
     auto sample = pouring(2, inlet);
-    sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual = 1e-8; // nothing is compared to more
+    sample.setup.options.pressure.residual = sample.setup.options.viscosity.residual =
+        1e-8;             // nothing is compared to more
     const double end = 3; // [s]
     for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::wall;
     sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, -9.81, 0};

@@ -10,7 +10,8 @@ using test::Liquid;
 Fractions fractions_of(Liquid& liquid) {
     FractionBuilder builder;
     Fractions out;
-    builder.build(liquid.solids.nodes(), liquid.solids.distance(), liquid.surface.distance(), FractionMethod::consistent, out);
+    builder.build(
+        liquid.solids.nodes(), liquid.solids.distance(), liquid.surface.distance(), FractionMethod::consistent, out);
     return out;
 }
 
@@ -24,7 +25,8 @@ TEST_P(LevelSetCase, APoolFillsItsTankToItsHeight) {
     for (const double height : {0.5, 0.53125}) { // whole cells, half a cell more
         Liquid liquid(Comm::world(), test::make_domain(dimensions, {1, 1, 1}, dx));
         Seeding seeding;
-        seeding.liquids = {{test::box({-1, -1, -1}, {2, dimensions == 2 ? height : 2, dimensions == 3 ? height : 2}, dimensions)}};
+        seeding.liquids = {
+            {test::box({-1, -1, -1}, {2, dimensions == 2 ? height : 2, dimensions == 3 ? height : 2}, dimensions)}};
         seeding.solid_distance = [&](const Vec3& x) { return liquid.solids.distance_at(x, liquid.bodies); };
         liquid.fill(seeding);
         const auto fractions = fractions_of(liquid);
@@ -47,7 +49,7 @@ TEST_P(LevelSetCase, ABallHasItsVolume) {
     const double volume = liquid.sum(fractions.cell_liquid) * std::pow(dx, dimensions);
     const auto seeded = liquid.decomposition.comm().sum(std::int64_t(liquid.particles.store.owned()));
     const double stands_for = double(seeded) * particle_volume(liquid.grid) / (dimensions == 2 ? dx : 1);
-    EXPECT_NEAR(stands_for / due, 1, 0.015); // the number of seeds in a ball is a random one
+    EXPECT_NEAR(stands_for / due, 1, 0.015);   // the number of seeds in a ball is a random one
     EXPECT_NEAR(volume / stands_for, 1, 0.01); // in the mean 0.2 %, measured over 20 balls of 4 to 11 cells
     // Inside it is all liquid.
     const auto wet = on_host(fractions.cell_liquid_clipped);
@@ -84,7 +86,7 @@ TEST_P(LevelSetCase, TheDistanceIsThatOfOneRank) {
         window.cell(i, c);
         for (int k = 0; k < many.solids.nodes().used(); ++k) {
             ASSERT_EQ(a(std::size_t(8 * many.faces.window().index(c[0], c[1], c[2]) + k)),
-                      b(std::size_t(8 * one.faces.window().index(c[0], c[1], c[2]) + k)));
+                b(std::size_t(8 * one.faces.window().index(c[0], c[1], c[2]) + k)));
         }
     }
 }
@@ -106,7 +108,8 @@ TEST_P(LevelSetCase, TheDistanceFollowsRoundOffOfABodyByAsMuch) {
         out.bodies = {body};
         return out;
     };
-    Liquid smaller(Comm::world(), domain, world(2 * dx * (1 - 1e-14))), larger(Comm::world(), domain, world(2 * dx * (1 + 1e-14)));
+    Liquid smaller(Comm::world(), domain, world(2 * dx * (1 - 1e-14))),
+        larger(Comm::world(), domain, world(2 * dx * (1 + 1e-14)));
     Seeding seeding;
     Vec3 top{2, 2, 2};
     top[std::size_t(dimensions - 1)] = 0.26;
@@ -158,7 +161,7 @@ TEST_P(LevelSetCase, LiquidThatTouchesAWallGoesOnInIt) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(LevelSet, LevelSetCase, testing::Values(2, 3),
-                         [](const auto& info) { return std::to_string(info.param) + "D"; });
+INSTANTIATE_TEST_SUITE_P(
+    LevelSet, LevelSetCase, testing::Values(2, 3), [](const auto& info) { return std::to_string(info.param) + "D"; });
 
 } // namespace treacle::grid::level_set_test

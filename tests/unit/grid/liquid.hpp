@@ -48,7 +48,8 @@ struct Liquid {
     Array<double> mass{"treacle::particle_mass", 2}; // [kg] of the two liquids
 
     explicit Liquid(const Comm& comm, const scene::Domain& in, rigid::BodiesSetup setup = {})
-        : domain(in), grid(make_mac_grid(in)), decomposition(comm, grid.cells), solids(grid, in), bodies(std::move(setup)) {
+        : domain(in), grid(make_mac_grid(in)), decomposition(comm, grid.cells), solids(grid, in),
+          bodies(std::move(setup)) {
         Kokkos::deep_copy(mass, 1000 * particle_volume(grid));
     }
     // Seeds the regions, cuts the grid by the particles and shares them out.
@@ -86,8 +87,9 @@ struct Liquid {
         CellSort sort;
         sort.sort(particles.store, grid.cells, faces.owned(), cells);
         halo.rebuild(particles.store, cells);
-        halo.gather(particles.store, {particles.velocity_field(), particles.affine_field(0), particles.affine_field(1),
-                                      particles.affine_field(2), particles.liquid_field(), particles.viscosity_field()});
+        halo.gather(
+            particles.store, {particles.velocity_field(), particles.affine_field(0), particles.affine_field(1),
+                                 particles.affine_field(2), particles.liquid_field(), particles.viscosity_field()});
         solids.update(faces, bodies);
         surface.build(grid, faces, particles, cells, solids);
     }

@@ -10,7 +10,7 @@ constexpr double density = 1000; // [kg/m3]
 
 // Two liquids, the first one where `first` is true.
 std::unique_ptr<GridStep> two_liquids(const Comm& comm, StepSample& sample, double eta_first, double eta_second,
-                                      const std::function<bool(const Vec3&)>& first) {
+    const std::function<bool(const Vec3&)>& first) {
     sample.setup.liquids = 2;
     sample.setup.viscosity_varies = true;
     auto step = started(comm, sample);
@@ -62,7 +62,8 @@ Errors error_of(const Comm& comm, const Layers& layers) {
     const double h = std::round(layers.height / lattice) * lattice;
     // tau = c - rho g (y - h), u continuous, 0 at both walls.
     const double force = density * pull;
-    const double c = (force * (1 - h) * (1 - h) / (2 * thin) - force * h * h / (2 * thick)) / (h / thick + (1 - h) / thin);
+    const double c =
+        (force * (1 - h) * (1 - h) / (2 * thin) - force * h * h / (2 * thick)) / (h / thick + (1 - h) / thin);
     const auto exact = [&](double at) {
         const double d = at - h;
         return d < 0 ? (-force * (d * d - h * h) / 2 + c * (d + h)) / thick
@@ -80,11 +81,13 @@ Errors error_of(const Comm& comm, const Layers& layers) {
 }
 
 // Implicit steps of rho u_t = |grad s|^2 (eta u_s)_s in the period [0, 1), by finite volumes.
-std::vector<double> decay(std::vector<double> u, const std::function<double(double)>& eta, double slope2, double dt, int steps) {
+std::vector<double> decay(
+    std::vector<double> u, const std::function<double(double)>& eta, double slope2, double dt, int steps) {
     const std::size_t n = u.size();
     std::vector<double> k(n); // between i - 1 and i
     const auto at = [&](std::size_t i) { return eta((double(i % n) + 0.5) / double(n)); };
-    for (std::size_t i = 0; i < n; ++i) k[i] = slope2 * dt / density * double(n * n) * 2 / (1 / at(i) + 1 / at(i + n - 1));
+    for (std::size_t i = 0; i < n; ++i)
+        k[i] = slope2 * dt / density * double(n * n) * 2 / (1 / at(i) + 1 / at(i + n - 1));
     // Sherman and Morrison: the corners of the cyclic matrix are -c (1, 0 ... 0, 1) times its transpose.
     const auto solve = [&](std::vector<double> b) {
         std::vector<double> d(n), c(n);
@@ -133,7 +136,8 @@ double oblique_error(const Comm& comm, int cells, int p, int q, double ratio, do
     std::vector<double> u(fine);
     for (std::size_t i = 0; i < fine; ++i) u[i] = start((double(i) + 0.5) / fine);
     const auto eta = [=](double s) { return s < 0.5 ? ratio * thin : thin; };
-    u = decay(decay(u, eta, slope2, dt / 2, 1), eta, slope2, dt, steps - 1); // velocities are those of the middles of steps
+    u = decay(
+        decay(u, eta, slope2, dt / 2, 1), eta, slope2, dt, steps - 1); // velocities are those of the middles of steps
     double error = 0, size = 0;
     for (const auto& [id, state] : states(*step)) {
         const double found = (q * state[3] - p * state[4]) / std::sqrt(slope2) / speed;
@@ -184,9 +188,11 @@ TEST_F(LayersOfLiquids, ConvergeWithSecondOrder) {
 TEST_F(LayersOfLiquids, ConvergeAtAnyAngle) {
     for (const auto& [p, q] : {std::pair{0, 1}, {1, 1}, {1, 2}}) {
         for (const double ratio : {10.0, 1e3, 1e6}) {
-            const double coarse = oblique_error(comm, 16, p, q, ratio, 0.2), fine = oblique_error(comm, 32, p, q, ratio, 0.2);
+            const double coarse = oblique_error(comm, 16, p, q, ratio, 0.2),
+                         fine = oblique_error(comm, 32, p, q, ratio, 0.2);
             EXPECT_GT(std::log2(coarse / fine), 1.5) << p << " " << q << " " << ratio;
-            EXPECT_LT(fine, 0.07) << p << " " << q << " " << ratio; // of the layers that are left, 7 cells each at (1, 2)
+            EXPECT_LT(fine, 0.07) << p << " " << q << " "
+                                  << ratio; // of the layers that are left, 7 cells each at (1, 2)
         }
     }
 }

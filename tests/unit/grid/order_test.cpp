@@ -24,7 +24,8 @@ double centre(const GridStep& step, std::size_t axis) {
 }
 
 // Errors of the measure, over its first value, against `exact`: with `cells` and `steps`, twice and four times as many.
-std::array<double, 3> errors(const std::function<StepSample(int)>& sample, int cells, double end, int steps, const Measure& measure, double exact) {
+std::array<double, 3> errors(const std::function<StepSample(int)>& sample, int cells, double end, int steps,
+    const Measure& measure, double exact) {
     std::array<double, 3> error{};
     for (std::size_t k = 0; k < 3; ++k) {
         auto step = started(Comm::world(), sample(cells << k));
@@ -61,8 +62,10 @@ TEST(OrderInTime, OfAStandingWave) {
         return out;
     };
     const double end = 1.0;
-    const auto error = errors(sample, 24, end, 20, [](const GridStep& s) { return centre(s, 0) - 0.5; }, std::cos(omega * end));
-    RecordProperty("standing wave, errors", std::to_string(error[0]) + " " + std::to_string(error[1]) + " " + std::to_string(error[2]));
+    const auto error = errors(
+        sample, 24, end, 20, [](const GridStep& s) { return centre(s, 0) - 0.5; }, std::cos(omega * end));
+    RecordProperty("standing wave, errors",
+        std::to_string(error[0]) + " " + std::to_string(error[1]) + " " + std::to_string(error[2]));
     EXPECT_LT(error[2], 0.016);
     EXPECT_LT(error[2], 0.5 * error[0]);
 }
@@ -76,12 +79,16 @@ TEST(OrderInTime, OfATaylorGreenVortex) {
             for (auto& face : out.setup.domain.faces) face.kind = scene::BoundaryKind::periodic;
             out.setup.domain.gravity = out.setup.rigid.gravity = {0, 0, 0};
             out.liquid = [](const Vec3&) { return -1.0; };
-            out.velocity = [=](const Vec3& x) { return Vec3{std::sin(k * x[0]) * std::cos(k * x[1]), -std::cos(k * x[0]) * std::sin(k * x[1]), 0}; };
+            out.velocity = [=](const Vec3& x) {
+                return Vec3{std::sin(k * x[0]) * std::cos(k * x[1]), -std::cos(k * x[0]) * std::sin(k * x[1]), 0};
+            };
             return out;
         };
         const double end = 0.25, exact = std::exp(-4 * viscosity / 1000 * k * k * end);
         check(viscosity > 0 ? "viscous vortex" : "vortex",
-              errors(sample, 16, end, 8, [](const GridStep& s) { return s.totals().kinetic_energy; }, exact), viscosity > 0 ? 1 : 1.8);
+            errors(
+                sample, 16, end, 8, [](const GridStep& s) { return s.totals().kinetic_energy; }, exact),
+            viscosity > 0 ? 1 : 1.8);
     }
 }
 

@@ -14,7 +14,8 @@ void fill_block(Liquid& liquid, double compression, double jitter) {
     Seeding seeding;
     const double low = 0.25, high = 0.75; // 8 cells of 1/16
     const int dimensions = liquid.grid.dimensions;
-    seeding.liquids = {{test::box({low, low, dimensions == 3 ? low : -1}, {high, high, dimensions == 3 ? high : 1}, dimensions)}};
+    seeding.liquids = {
+        {test::box({low, low, dimensions == 3 ? low : -1}, {high, high, dimensions == 3 ? high : 1}, dimensions)}};
     seeding.jitter = 2 * jitter;
     liquid.fill(seeding);
     const double scale = std::pow(1 - compression, 1.0 / dimensions);
@@ -36,11 +37,12 @@ Corrected correct(Liquid& liquid, const PositionOptions& options, double gravity
     PositionCorrection correction(liquid.grid);
     Corrected out;
     out.report = correction.apply(options, liquid.particles,
-                                  {liquid.cells, liquid.halo, liquid.decomposition.comm(), liquid.solids, liquid.mass, {0, -gravity, 0}});
+        {liquid.cells, liquid.halo, liquid.decomposition.comm(), liquid.solids, liquid.mass, {0, -gravity, 0}});
     const auto from = on_host(before), to = on_host(liquid.particles.position());
     const double mass = 1000 * particle_volume(liquid.grid);
     for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t i = 0; i < std::size_t(liquid.particles.store.owned()); ++i) out.moment[k] += mass * (to(i, k) - from(i, k));
+        for (std::size_t i = 0; i < std::size_t(liquid.particles.store.owned()); ++i)
+            out.moment[k] += mass * (to(i, k) - from(i, k));
         out.moment[k] = liquid.decomposition.comm().sum(out.moment[k]);
     }
     return out;
@@ -143,7 +145,8 @@ TEST_P(CorrectionCase, APoolInATankKeepsItsVolumeAndItsPotentialEnergy) {
     FractionBuilder builder;
     Fractions fractions;
     const auto volume = [&] {
-        builder.build(liquid.solids.nodes(), liquid.solids.distance(), liquid.surface.distance(), FractionMethod::consistent, fractions);
+        builder.build(liquid.solids.nodes(), liquid.solids.distance(), liquid.surface.distance(),
+            FractionMethod::consistent, fractions);
         return liquid.sum(fractions.cell_liquid_clipped);
     };
     PositionOptions options;
@@ -179,6 +182,6 @@ TEST_P(CorrectionCase, ItIsTheSameOnAnyRanks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Correction, CorrectionCase, testing::Values(2, 3),
-                         [](const auto& info) { return std::to_string(info.param) + "D"; });
+    [](const auto& info) { return std::to_string(info.param) + "D"; });
 
 } // namespace treacle::grid::position_correction_test

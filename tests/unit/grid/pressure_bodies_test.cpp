@@ -35,7 +35,8 @@ PressureSample egg_in_a_pool(double ratio) {
         const Vec3 squeezed{centre[0] + 0.8 * (x[0] - centre[0]) + 0.3 * (x[2] - centre[2]), x[1], x[2]};
         return from(centre, squeezed) - radius;
     };
-    sample.bodies.bodies = {free_body(centre, ratio * 1000 / 0.8 * 4.0 / 3 * math::pi * radius * radius * radius, radius)};
+    sample.bodies.bodies = {
+        free_body(centre, ratio * 1000 / 0.8 * 4.0 / 3 * math::pi * radius * radius * radius, radius)};
     sample.bodies.gravity = gravity;
     sample.bodies.spacing = 1.0 / sample.cells;
     return sample;
@@ -162,8 +163,12 @@ TEST_F(BodiesInLiquid, TooLightAreThrownByWeakCouplingAndNotByStrong) {
         test.project(dt);
         const double rise = test.bodies.velocity(0)[2] / (-gravity[2] * dt);
         // Alone it would rise with (1 - 0.05) / 0.05 g; with the liquid that it must move, below (1 - 0.05) / (0.05 + 1/2) g.
-        if (coupling == Coupling::weak) { EXPECT_GT(rise, 5); }
-        if (coupling == Coupling::strong) { EXPECT_LT(rise, 1.8); }
+        if (coupling == Coupling::weak) {
+            EXPECT_GT(rise, 5);
+        }
+        if (coupling == Coupling::strong) {
+            EXPECT_LT(rise, 1.8);
+        }
         EXPECT_GT(rise, 0.5);
     }
 }

@@ -63,8 +63,8 @@ public:
             curvature_ = Array<double>("given_curvature", static_cast<std::size_t>(halo.window().size()));
             Kokkos::deep_copy(curvature_, sample_.curvature);
         }
-        pressure.build({grid, halo, distance, fractions, shares, bodies, sample_.density, sample_.surface_tension, nullptr,
-                        nullptr, {}, nullptr, &curvature_});
+        pressure.build({grid, halo, distance, fractions, shares, bodies, sample_.density, sample_.surface_tension,
+            nullptr, nullptr, {}, nullptr, &curvature_});
     }
     PressureReport project(double dt) { return pressure.project(velocity, bodies, dt); }
 
@@ -82,9 +82,13 @@ public:
 
     // use(place, cell) for all cells of the window, or the owned ones.
     template <class Use>
-    void each_place(const Use& use) const { each(halo.window(), use); }
+    void each_place(const Use& use) const {
+        each(halo.window(), use);
+    }
     template <class Use>
-    void each_owned(const Use& use) const { each(halo.owned(), use); }
+    void each_owned(const Use& use) const {
+        each(halo.owned(), use);
+    }
 
     Vec3 face(int a, const int c[3]) const {
         Vec3 x;
@@ -97,13 +101,16 @@ public:
         return x;
     }
     bool wet(std::size_t at) const { return distance(at) < 0; }
-    std::size_t below(int a, std::size_t at) const { return at - static_cast<std::size_t>(pressure.system().faces().stride[a]); }
+    std::size_t below(int a, std::size_t at) const {
+        return at - static_cast<std::size_t>(pressure.system().faces().stride[a]);
+    }
     // The fastest of the faces that pass liquid, over all ranks.
     double max_speed() const {
         double most = 0;
         each_owned([&](std::size_t at, const int*) {
             for (int a = 0; a < grid.dimensions; ++a) {
-                if (fractions.open.axis[a](at) >= sample_.options.min_face_area_fraction && (wet(at) || wet(below(a, at)))) {
+                if (fractions.open.axis[a](at) >= sample_.options.min_face_area_fraction &&
+                    (wet(at) || wet(below(a, at)))) {
                     most = std::max(most, std::fabs(velocity.axis[a](at)));
                 }
             }

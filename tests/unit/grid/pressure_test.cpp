@@ -70,16 +70,15 @@ TEST_F(Pressures, LeaveNoDivergence) {
     for (const int dimensions : {2, 3}) {
         auto sample = tight(16);
         sample.dimensions = dimensions;
-        sample.liquid = dimensions == 3 ? ball(middle, 0.42)
-                                        : Distance([](const Vec3& x) { return x[1] - 0.71 + 0.2 * x[0]; });
+        sample.liquid =
+            dimensions == 3 ? ball(middle, 0.42) : Distance([](const Vec3& x) { return x[1] - 0.71 + 0.2 * x[0]; });
         sample.solid = ball({0.6, 0.3, dimensions == 3 ? 0.5 : 0}, 0.21);
         PressureCase test(comm, sample);
         test.build();
         test.set_velocity(noise);
         const double before = test.max_flux();
         test.project(dt);
-        EXPECT_LT(test.max_flux(), 1e-10 * before)
-            << dimensions; // the residual of the solve, times the cells' number
+        EXPECT_LT(test.max_flux(), 1e-10 * before) << dimensions; // the residual of the solve, times the cells' number
     }
 }
 
@@ -118,16 +117,13 @@ TEST_F(Pressures, TakeFewIterationsWhateverTheSize) {
         auto sample = tight(cells);
         sample.options.residual = 1e-10;
 
-        sample.liquid = [](const Vec3& x) {
-            return x[2] - 0.62 - 0.1 * std::sin(9 * x[0]) * std::cos(7 * x[1]);
-        };
+        sample.liquid = [](const Vec3& x) { return x[2] - 0.62 - 0.1 * std::sin(9 * x[0]) * std::cos(7 * x[1]); };
         sample.solid = ball({0.6, 0.3, 0.4}, 0.17);
         PressureCase test(comm, sample);
         test.build();
         test.set_velocity([](int a, const Vec3& x) { return (a == 2 ? -1 : 0) + 0.3 * noise(a, x); });
         const auto report = test.project(dt);
-        EXPECT_LE(report.solve.iterations, 14)
-            << report.unknowns; // 12 on 1, 2, 4 and 8 ranks, 13 and 14 on three
+        EXPECT_LE(report.solve.iterations, 14) << report.unknowns; // 12 on 1, 2, 4 and 8 ranks, 13 and 14 on three
         RecordProperty("iterations_" + std::to_string(cells), report.solve.iterations);
     }
 }
@@ -145,8 +141,7 @@ TEST_F(Pressures, AreTheSameOnOneRankAndOnAll) {
     double most = 0, scale = 0;
     together.each_owned([&](std::size_t at, const int c[3]) {
         const auto there = static_cast<std::size_t>(alone.halo.window().index(c[0], c[1], c[2]));
-        most =
-            std::max(most, std::fabs(together.pressure.pressures()(at) - alone.pressure.pressures()(there)));
+        most = std::max(most, std::fabs(together.pressure.pressures()(at) - alone.pressure.pressures()(there)));
         scale = std::max(scale, std::fabs(alone.pressure.pressures()(there)));
     });
     EXPECT_LE(comm.max(most), 1e-9 * comm.max(scale)); // both residuals, times the condition
@@ -167,8 +162,7 @@ TEST_F(Pressures, OfARoundDropAreThoseOfItsSurfaceTension) {
             const double expected = (dimensions - 1) * 0.07 / 0.31;
             double most = 0;
             test.each_owned([&](std::size_t at, const int*) {
-                if (test.wet(at))
-                    most = std::max(most, std::fabs(test.pressure.pressures()(at) / expected - 1));
+                if (test.wet(at)) most = std::max(most, std::fabs(test.pressure.pressures()(at) / expected - 1));
             });
             EXPECT_LT(comm.max(most), exact ? 1e-6 : 0.04) << dimensions;
         }

@@ -183,7 +183,8 @@ TEST_F(Channel, ShearRatesOfLinearVelocitiesAreExact) {
         }
         FractionBuilder builder;
         Fractions fractions;
-        builder.build(tank.solids.nodes(), tank.solids.distance(), tank.surface.distance(), FractionMethod::consistent, fractions);
+        builder.build(tank.solids.nodes(), tank.solids.distance(), tank.surface.distance(), FractionMethod::consistent,
+            fractions);
         // As if the liquid slid along all walls: no face is partly theirs.
         Fractions free = fractions;
         free.cell_fluid = Array<double>("treacle::all", std::size_t(window.size()));

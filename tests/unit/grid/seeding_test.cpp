@@ -8,7 +8,8 @@ using test::ball;
 using test::box;
 
 // Particles of liquids in a domain, times their volume [m3, in the plane m2 times dx], by liquid.
-std::vector<double> volumes(const scene::Domain& domain, const std::vector<scene::Regions>& liquids, std::function<double(const Vec3&)> solids = {}) {
+std::vector<double> volumes(const scene::Domain& domain, const std::vector<scene::Regions>& liquids,
+    std::function<double(const Vec3&)> solids = {}) {
     const MacGrid grid = make_mac_grid(domain);
     const Decomposition decomposition(Comm::self(), grid.cells);
     GridParticles particles;
@@ -22,7 +23,8 @@ std::vector<double> volumes(const scene::Domain& domain, const std::vector<scene
     for (int i = 0; i < particles.store.owned(); ++i) {
         const auto row = static_cast<std::size_t>(i), which = static_cast<std::size_t>(liquid(row));
         double nearest = 1;
-        for (const auto& region : liquids[which]) nearest = std::min(nearest, region.distance({x(row, 0), x(row, 1), x(row, 2)}));
+        for (const auto& region : liquids[which])
+            nearest = std::min(nearest, region.distance({x(row, 0), x(row, 1), x(row, 2)}));
         EXPECT_LT(nearest, 0) << "a particle lies out of its liquid";
         if (solids) {
             EXPECT_GE(solids({x(row, 0), x(row, 1), x(row, 2)}), seeding.clearance * grid.dx * (1 - 1e-9));
@@ -47,7 +49,9 @@ TEST(Seeding, ABallHasItsVolumeWhereverItIs) {
     constexpr double radius = 0.03, dx = 0.0067, exact = 4 * 3.14159265358979 / 3 * radius * radius * radius;
     for (int k = 0; k < 20; ++k) {
         const Vec3 centre{0.05 + 0.1 * dx * k, 0.05 - 0.07 * dx * k, 0.05 + 0.03 * dx * k};
-        EXPECT_NEAR(volumes(test::make_domain(3, {0.12, 0.1, 0.1}, dx), {{ball(centre, radius, 3)}})[0] / exact, 1, 0.015) << k;
+        EXPECT_NEAR(
+            volumes(test::make_domain(3, {0.12, 0.1, 0.1}, dx), {{ball(centre, radius, 3)}})[0] / exact, 1, 0.015)
+            << k;
     }
 }
 
@@ -56,7 +60,8 @@ TEST(Seeding, ThinSheetsHaveTheirVolume) {
     for (const double thickness : {0.25 * dx, 0.3 * dx, 0.6 * dx}) {
         for (const double offset : {0.0, 0.11 * dx, 0.37 * dx, 0.48 * dx}) {
             const double bottom = 5 * dx + offset;
-            const double volume = volumes(test::make_domain(3, {0.4, 0.4, 0.1}, dx), {{box({0, 0, bottom}, {0.4, 0.4, bottom + thickness}, 3)}})[0];
+            const double volume = volumes(test::make_domain(3, {0.4, 0.4, 0.1}, dx),
+                {{box({0, 0, bottom}, {0.4, 0.4, bottom + thickness}, 3)}})[0];
             EXPECT_NEAR(volume / (0.16 * thickness), 1, 0.02) << thickness / dx << " at " << offset / dx;
         }
     }
@@ -67,8 +72,9 @@ TEST(Seeding, LiquidsOnEachOtherAndOnSolidsShareTheSpace) {
     constexpr double dx = 0.01;
     for (int k = 0; k < 10; ++k) {
         const double floor = 0.02 + 0.1 * dx * k, between = floor + 0.031, top = between + 0.027;
-        const auto found = volumes(test::make_domain(3, {0.2, 0.2, 0.1}, dx), {{box({0, 0, floor}, {0.2, 0.2, between}, 3)}, {box({0, 0, floor}, {0.2, 0.2, top}, 3)}},
-                                   [&](const Vec3& x) { return x[2] - floor; });
+        const auto found = volumes(test::make_domain(3, {0.2, 0.2, 0.1}, dx),
+            {{box({0, 0, floor}, {0.2, 0.2, between}, 3)}, {box({0, 0, floor}, {0.2, 0.2, top}, 3)}},
+            [&](const Vec3& x) { return x[2] - floor; });
         EXPECT_NEAR(found[0] / (0.04 * 0.031), 1, 0.005) << k;
         EXPECT_NEAR(found[1] / (0.04 * 0.027), 1, 0.005) << k;
     }

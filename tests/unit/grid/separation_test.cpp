@@ -52,7 +52,9 @@ TEST(Separation, LetsLiquidFallFromSlopes) {
         auto sample = upper_half(2, 0);
         const double s = std::sin(angle), c = std::cos(angle);
         const auto below = [s, c](const Vec3& x) { return -s * (x[0] - 0.5) + c * (x[1] - 0.8); };
-        sample.liquid = [below](const Vec3& x) { return std::max({below(x), -below(x) - 0.2, std::fabs(x[0] - 0.5) - 0.2}); };
+        sample.liquid = [below](const Vec3& x) {
+            return std::max({below(x), -below(x) - 0.2, std::fabs(x[0] - 0.5) - 0.2});
+        };
         rigid::BodySetup body;
         body.kind = scene::BodyKind::fixed;
         scene::Shape plane;

@@ -32,7 +32,8 @@ TEST(FreeSlip, LetsABlockSlideDownARamp) {
     struct Case {
         double degrees, shift, viscosity;
     };
-    for (const auto& [degrees, shift, viscosity] : {Case{30, 0.007, 1000}, Case{30, 0.5, 1e5}, Case{12, 0.03, 1e6}, Case{45, 0, 10}, Case{52, 0.31, 1e5}}) {
+    for (const auto& [degrees, shift, viscosity] :
+        {Case{30, 0.007, 1000}, Case{30, 0.5, 1e5}, Case{12, 0.03, 1e6}, Case{45, 0, 10}, Case{52, 0.31, 1e5}}) {
         auto sample = sample_of(25, 2);
         const double angle = degrees * math::pi / 180;
         const Vec3 normal{std::sin(angle), std::cos(angle), 0}, point{0.4, 0.5 + 0.04 * shift, 0};
@@ -54,7 +55,8 @@ TEST(FreeSlip, LetsABlockSlideDownARamp) {
         while (time < 0.2) time += step->advance(step->stable_step(3)).dt;
         const auto totals = step->totals();
         const Vec3 u{totals.momentum[0] / totals.mass, totals.momentum[1] / totals.mass, 0};
-        EXPECT_NEAR((normal[1] * u[0] - normal[0] * u[1]) / (9.81 * std::sin(angle) * time), 1, 0.04) << degrees << " " << shift << " " << viscosity;
+        EXPECT_NEAR((normal[1] * u[0] - normal[0] * u[1]) / (9.81 * std::sin(angle) * time), 1, 0.04)
+            << degrees << " " << shift << " " << viscosity;
     }
 }
 
@@ -73,7 +75,8 @@ StepSample drum_of(double viscosity, scene::BodyKind kind, double angular_veloci
 
 // Of the drum's liquid, as of a disc that turns as a whole [rad/s].
 double spin_of(const LiquidTotals& totals) {
-    return (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) / (0.5 * totals.mass * 0.16);
+    return (totals.angular_momentum[2] - 0.5 * totals.momentum[1] + 0.5 * totals.momentum[0]) /
+           (0.5 * totals.mass * 0.16);
 }
 
 TEST(FreeSlip, DrumsTurnAroundLiquidAtRest) {

@@ -103,10 +103,11 @@ TEST_P(SolidCase, VelocitiesAreThoseOfTheBodyThere) {
     solids.update(halo, bodies);
     const auto motion = solids.motion();
     const Array<double> found("treacle::found", 9);
-    Kokkos::parallel_for("velocities", 3, KOKKOS_LAMBDA(int k) {
-        const double x[3] = {0.3, 0.6, 0.5};
-        motion.velocity(k == 0 ? Solids::side(2) : k - 1, x, &found(3 * k));
-    });
+    Kokkos::parallel_for(
+        "velocities", 3, KOKKOS_LAMBDA(int k) {
+            const double x[3] = {0.3, 0.6, 0.5};
+            motion.velocity(k == 0 ? Solids::side(2) : k - 1, x, &found(3 * k));
+        });
     const auto u = on_host(found);
     // Within a step along the chord of the body's turn, by 0.2 about a centre 0.1 below.
     const double due[9] = {0, 0, 0, 0, 0, 0, 1 - std::sin(0.2), 0.5 - (1 - std::cos(0.2)), 0};
@@ -126,11 +127,12 @@ TEST_P(SolidCase, PlacesInSolidsArePushedToTheirSurface) {
     for (const Vec3& start : {Vec3{0.72, 0.28, z}, Vec3{0.21, 0.48, z}, Vec3{0.5, -0.06, z}}) {
         const Array<double> place("treacle::place", 3);
         const double x0 = start[0], x1 = start[1], x2 = start[2], clearance = 0.05 * dx;
-        Kokkos::parallel_for("push", 1, KOKKOS_LAMBDA(int) {
-            double x[3] = {x0, x1, x2};
-            push_out(sampler, clearance, x);
-            for (int k = 0; k < 3; ++k) place(k) = x[k];
-        });
+        Kokkos::parallel_for(
+            "push", 1, KOKKOS_LAMBDA(int) {
+                double x[3] = {x0, x1, x2};
+                push_out(sampler, clearance, x);
+                for (int k = 0; k < 3; ++k) place(k) = x[k];
+            });
         const auto x = on_host(place);
         // The clearance, to the error of linear interpolation on a curved surface.
         EXPECT_NEAR(solids.distance_at({x(0), x(1), x(2)}, bodies), clearance, 0.05 * dx);
@@ -154,20 +156,23 @@ TEST_P(SolidCase, PlacesWhereSolidsOverlapAreNotThrownFar) {
     const auto sampler = solids.sampler();
     const double z = dimensions == 3 ? 0.5 : 0, clearance = 0.05 * dx;
     double farthest = 0;
-    Kokkos::parallel_reduce("push", 41, KOKKOS_LAMBDA(int n, double& most) {
-        double x[3] = {0.46 + 0.002 * n, 0.501, z};
-        const double start[3] = {x[0], x[1], x[2]};
-        push_out(sampler, clearance, x);
-        double square = 0;
-        for (int k = 0; k < 3; ++k) square += (x[k] - start[k]) * (x[k] - start[k]);
-        most = math::max(most, math::sqrt(square));
-    }, Kokkos::Max<double>(farthest));
+    Kokkos::parallel_reduce(
+        "push", 41,
+        KOKKOS_LAMBDA(int n, double& most) {
+            double x[3] = {0.46 + 0.002 * n, 0.501, z};
+            const double start[3] = {x[0], x[1], x[2]};
+            push_out(sampler, clearance, x);
+            double square = 0;
+            for (int k = 0; k < 3; ++k) square += (x[k] - start[k]) * (x[k] - start[k]);
+            most = math::max(most, math::sqrt(square));
+        },
+        Kokkos::Max<double>(farthest));
     // Four goes, each of at most the depth, 0.15 m, over the least slope.
     EXPECT_LT(farthest, 4 * (0.15 + clearance) / least_slope);
     EXPECT_GT(farthest, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Solids, SolidCase, testing::Values(2, 3),
-                         [](const auto& info) { return std::to_string(info.param) + "D"; });
+INSTANTIATE_TEST_SUITE_P(
+    Solids, SolidCase, testing::Values(2, 3), [](const auto& info) { return std::to_string(info.param) + "D"; });
 
 } // namespace treacle::grid::solids_test

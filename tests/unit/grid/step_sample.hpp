@@ -15,7 +15,7 @@ struct StepSample {
     std::function<double(const Vec3&)> liquid; // [m] < 0 inside
     std::function<Vec3(const Vec3&)> velocity = [](const Vec3&) { return Vec3{0, 0, 0}; };
     std::array<Vec3, 3> gradient{}; // of the velocity, rows by component [1/s]
-    double jitter = 0.1; // of the particles' spacing
+    double jitter = 0.1;            // of the particles' spacing
 };
 
 // Of `cells` along the unit length, in a cube of walls.

@@ -103,7 +103,8 @@ TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
         sample.setup.surface_tension = std::move(tensions);
         auto step = started(comm, sample);
         auto& particles = step->particles();
-        for (int i = 0; i < particles.store.owned(); ++i) particles.liquid()(i) = particles.position()(i, 0) > 0.49 ? 1 : 0;
+        for (int i = 0; i < particles.store.owned(); ++i)
+            particles.liquid()(i) = particles.position()(i, 0) > 0.49 ? 1 : 0;
         step->advance(1e-4);
         const auto pressure = on_host(step->pressure().pressures());
         const CellBox owned = step->halo().owned();
@@ -122,7 +123,8 @@ TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
         comm.sum(std::span<double>(sums));
         return std::array{sums[0] / sums[2], sums[1] / sums[3]};
     };
-    const auto strong = mean_pressures({0.07, 0.07}), weak = mean_pressures({0.02, 0.02}), both = mean_pressures({0.07, 0.02});
+    const auto strong = mean_pressures({0.07, 0.07}), weak = mean_pressures({0.02, 0.02}),
+               both = mean_pressures({0.07, 0.02});
     EXPECT_NEAR(both[0], strong[0], 1e-8 * strong[0]);
     EXPECT_NEAR(both[1], weak[1], 1e-8 * strong[0]);
     EXPECT_GT(strong[0], 2 * weak[0]);
@@ -162,11 +164,13 @@ TEST_F(Steps, LetADropOscillateAsItsSurfaceTensionSays) {
     for (std::size_t k = 1; k < energy.size(); ++k) {
         const double half = 0.5 * most[energy[k].first < math::pi ? 0 : 1];
         if (energy[k - 1].second >= half && energy[k].second < half && energy[k].first < 4) falls = energy[k].first;
-        if (energy[k - 1].second < half && energy[k].second >= half && energy[k].first > 3 && rises == 0) rises = energy[k].first;
+        if (energy[k - 1].second < half && energy[k].second >= half && energy[k].first > 3 && rises == 0)
+            rises = energy[k].first;
     }
     const double lost = std::log(most[0] / most[1]) / (2 * math::pi);
-    EXPECT_NEAR(0.5 * (falls + rises), math::pi, 0.03 * math::pi); // 0.5 %; 4.5 % with 8 cells, 0.1 with 15, 0.6 with 18
-    EXPECT_NEAR(lost, decay, 0.8 * decay);                         // 1.6 times: the transfers take some
+    EXPECT_NEAR(
+        0.5 * (falls + rises), math::pi, 0.03 * math::pi); // 0.5 %; 4.5 % with 8 cells, 0.1 with 15, 0.6 with 18
+    EXPECT_NEAR(lost, decay, 0.8 * decay);                 // 1.6 times: the transfers take some
 }
 
 // A ball of liquid of six cells radius that spins in free space by 1 rad, whatever its viscosity. What is lost is lost at
@@ -188,8 +192,8 @@ TEST_F(Steps, KeepTheAngularMomentumOfASpinningBall) {
 
 enum class Contents { viscous_liquid, thin_liquid_and_a_body, viscous_liquid_and_a_body };
 class StepsOf : public testing::TestWithParam<Contents> {};
-INSTANTIATE_TEST_SUITE_P(all, StepsOf, testing::Values(Contents::viscous_liquid, Contents::thin_liquid_and_a_body,
-                                                         Contents::viscous_liquid_and_a_body));
+INSTANTIATE_TEST_SUITE_P(all, StepsOf,
+    testing::Values(Contents::viscous_liquid, Contents::thin_liquid_and_a_body, Contents::viscous_liquid_and_a_body));
 
 // After the first step, in which it falls by 1.5 cells, the body has a node in its surface and one as far from it as from the
 // floor, but for round-off.
@@ -306,7 +310,9 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
         double viscosity;
         int dimensions;
     };
-    for (const auto& [slip, viscosity, dimensions] : {Case{scene::Slip::no_slip, 5, 3}, Case{scene::Slip::free_slip, 1e5, 2}, Case{scene::Slip::no_slip, 0, 2}, Case{scene::Slip::slip_length, 100, 2}}) {
+    for (const auto& [slip, viscosity, dimensions] :
+        {Case{scene::Slip::no_slip, 5, 3}, Case{scene::Slip::free_slip, 1e5, 2}, Case{scene::Slip::no_slip, 0, 2},
+            Case{scene::Slip::slip_length, 100, 2}}) {
         auto sample = sample_of(20, dimensions);
         for (auto& face : sample.setup.domain.faces) face.kind = scene::BoundaryKind::open;
         sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
@@ -318,7 +324,9 @@ TEST_F(Steps, KeepTheMomentumOfLiquidAndBody) {
         sample.setup.rigid.bodies = {ball};
         sample.setup.rigid.dimensions = dimensions;
         sample.setup.slip = {{slip}, {0.05}};
-        sample.liquid = [=](const Vec3& x) { return std::max(from({0.5, 0.5, z}, x) - 0.32, 0.13 - from({0.5, 0.55, z}, x)); };
+        sample.liquid = [=](const Vec3& x) {
+            return std::max(from({0.5, 0.5, z}, x) - 0.32, 0.13 - from({0.5, 0.55, z}, x));
+        };
         auto step = started(comm, sample);
         const auto total = [&] {
             std::array<double, 6> out = step->bodies().momentum();
@@ -402,15 +410,18 @@ TEST_F(Steps, GoOnFromAStateAsIfTheyHadNotStopped) {
     for (std::size_t f = 0; f < of.store.fields().size(); ++f) {
         if (of.store.fields()[f].role != FieldRole::state) continue;
         const auto rows = Kokkos::make_pair(0, of.store.owned());
-        std::visit([&](const auto& from_array) {
-            using View = std::decay_t<decltype(from_array)>;
-            const auto& target = std::get<View>(to.store.fields()[f].array);
-            if constexpr (View::rank == 1) {
-                Kokkos::deep_copy(Kokkos::subview(target, rows), Kokkos::subview(from_array, rows));
-            } else {
-                Kokkos::deep_copy(Kokkos::subview(target, rows, Kokkos::ALL()), Kokkos::subview(from_array, rows, Kokkos::ALL()));
-            }
-        }, of.store.fields()[f].array);
+        std::visit(
+            [&](const auto& from_array) {
+                using View = std::decay_t<decltype(from_array)>;
+                const auto& target = std::get<View>(to.store.fields()[f].array);
+                if constexpr (View::rank == 1) {
+                    Kokkos::deep_copy(Kokkos::subview(target, rows), Kokkos::subview(from_array, rows));
+                } else {
+                    Kokkos::deep_copy(
+                        Kokkos::subview(target, rows, Kokkos::ALL()), Kokkos::subview(from_array, rows, Kokkos::ALL()));
+                }
+            },
+            of.store.fields()[f].array);
     }
     const auto decomposition = straight->decomposition_state();
     resumed->restore_bodies(straight->bodies().state());

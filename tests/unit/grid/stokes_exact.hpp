@@ -22,9 +22,12 @@ public:
         Eigen::MatrixXd t = Eigen::MatrixXd::Zero(5, points_);
         for (int n = 0; n < points_; ++n) {
             for (int d = 0; d <= order; ++d) {
-                if (n == 0) t(d, n) = d == 0 ? 1 : 0;
-                else if (n == 1) t(d, n) = d == 0 ? s : d == 1 ? 1 : 0;
-                else t(d, n) = 2 * s * t(d, n - 1) + (d > 0 ? 2 * d * t(d - 1, n - 1) : 0) - t(d, n - 2); // (2 s T)^(d)
+                if (n == 0)
+                    t(d, n) = d == 0 ? 1 : 0;
+                else if (n == 1)
+                    t(d, n) = d == 0 ? s : d == 1 ? 1 : 0;
+                else
+                    t(d, n) = 2 * s * t(d, n - 1) + (d > 0 ? 2 * d * t(d - 1, n - 1) : 0) - t(d, n - 2); // (2 s T)^(d)
             }
         }
         return t.row(order) * std::pow(scale, order);
@@ -56,7 +59,9 @@ inline StokesField jump_of_viscosity(double left, double right) {
         return out;
     };
     // P = p / cos(ky), from the momentum along y: k P = eta (f'''/k - k f') - g.
-    const auto pressure = [&](int side, double x) -> Eigen::RowVectorXd { return eta[side] * (d(side, 3, x) / k - k * d(side, 1, x)) / k; };
+    const auto pressure = [&](int side, double x) -> Eigen::RowVectorXd {
+        return eta[side] * (d(side, 3, x) / k - k * d(side, 1, x)) / k;
+    };
     for (int side = 0; side < 2; ++side) {
         for (int i = 2; i < n - 2; ++i, ++row) {
             const double x = half[side].point(i);
@@ -78,11 +83,11 @@ inline StokesField jump_of_viscosity(double left, double right) {
         return half[side].row(order, x).dot(f.segment(side * n, n));
     };
     return {[=](double x, double y) { return value(0, x) * std::cos(k * y); },
-            [=](double x, double y) { return -value(1, x) / k * std::sin(k * y); },
-            [=](double x, double y) {
-                const double e = eta[x < 0.5 ? 0 : 1];
-                return (e * (value(3, x) / k - k * value(1, x)) - std::cos(M_PI * x)) / k * std::cos(k * y);
-            }};
+        [=](double x, double y) { return -value(1, x) / k * std::sin(k * y); },
+        [=](double x, double y) {
+            const double e = eta[x < 0.5 ? 0 : 1];
+            return (e * (value(3, x) / k - k * value(1, x)) - std::cos(M_PI * x)) / k * std::cos(k * y);
+        }};
 }
 
 // SolKz: eta = contrast^y, force sin(m pi y) cos(k x) along y. With V = f(y) cos(kx), U = -f'(y)/k sin(kx).
@@ -96,14 +101,17 @@ inline StokesField exponential_viscosity(double contrast, double m, double wave)
     Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n);
     // k P = (eta (f''/k + k f))' - 2 k eta f'.
     const auto pressure = [=](double y, int order) -> Eigen::RowVectorXd { // P/eta, or P'/eta
-        Eigen::RowVectorXd q = (all.row(3 + order, y) / k - k * all.row(1 + order, y) + b2 * (all.row(2 + order, y) / k + k * all.row(order, y))) / k;
+        Eigen::RowVectorXd q = (all.row(3 + order, y) / k - k * all.row(1 + order, y) +
+                                   b2 * (all.row(2 + order, y) / k + k * all.row(order, y))) /
+                               k;
         return q;
     };
     int row = 0;
     for (int i = 2; i < n - 2; ++i, ++row) {
         const double y = all.point(i), e = eta(y);
         // 0 = -P' + 2 (eta f')' - k eta (f''/k + k f) + sin(m pi y), over cos(kx).
-        a.row(row) = -(pressure(y, 1) + b2 * pressure(y, 0)) + 2 * (all.row(2, y) + b2 * all.row(1, y)) - (all.row(2, y) + k * k * all.row(0, y));
+        a.row(row) = -(pressure(y, 1) + b2 * pressure(y, 0)) + 2 * (all.row(2, y) + b2 * all.row(1, y)) -
+                     (all.row(2, y) + k * k * all.row(0, y));
         rhs(row) = -std::sin(m * M_PI * y) / e;
     }
     for (const double wall : {0.0, 1.0}) {
@@ -112,8 +120,8 @@ inline StokesField exponential_viscosity(double contrast, double m, double wave)
     }
     const Eigen::VectorXd f = a.colPivHouseholderQr().solve(rhs);
     return {[=](double x, double y) { return -all.row(1, y).dot(f) / k * std::sin(k * x); },
-            [=](double x, double y) { return all.row(0, y).dot(f) * std::cos(k * x); },
-            [=](double x, double y) { return eta(y) * pressure(y, 0).dot(f) * std::cos(k * x); }};
+        [=](double x, double y) { return all.row(0, y).dot(f) * std::cos(k * x); },
+        [=](double x, double y) { return eta(y) * pressure(y, 0).dot(f) * std::cos(k * x); }};
 }
 
 } // namespace treacle::grid

@@ -17,10 +17,12 @@ double stretching(int dimensions, int cells, int width, bool together) {
     sample.dimensions = dimensions;
     sample.cells = cells;
     const auto up = static_cast<std::size_t>(dimensions - 1);
-    const double dx = 1.0 / cells, half = 0.5 * width * dx, ceiling = 0.95, tip = 0.1, beginning = std::floor((ceiling - 4 * half) / dx) * dx;
+    const double dx = 1.0 / cells, half = 0.5 * width * dx, ceiling = 0.95, tip = 0.1,
+                 beginning = std::floor((ceiling - 4 * half) / dx) * dx;
     sample.solid = [=](const Vec3& x) { return ceiling - x[up]; };
     sample.liquid = [=](const Vec3& x) {
-        return std::max({std::fabs(x[0] - 0.5) - half, dimensions == 3 ? std::fabs(x[1] - 0.5) - half : -1, tip - x[up]});
+        return std::max(
+            {std::fabs(x[0] - 0.5) - half, dimensions == 3 ? std::fabs(x[1] - 0.5) - half : -1, tip - x[up]});
     };
     sample.gravity[up] = -9.81;
     sample.viscosity = [](const Vec3&) { return 1e4; };
@@ -38,19 +40,23 @@ double stretching(int dimensions, int cells, int width, bool together) {
         for (const int k : {0, 1}) {
             sums[k] = run.sum([&](int a, std::size_t at, const Vec3& x) {
                 const bool inside = std::fabs(x[0] - 0.5) < half && (dimensions == 2 || std::fabs(x[1] - 0.5) < half);
-                return a == dimensions - 1 && inside && std::fabs(x[up] - level) < 0.1 * dx ? (k == 0 ? 1 : -run.velocity.axis[a](at)) : 0.0;
+                return a == dimensions - 1 && inside && std::fabs(x[up] - level) < 0.1 * dx
+                           ? (k == 0 ? 1 : -run.velocity.axis[a](at))
+                           : 0.0;
             });
         }
         return sums[1] / sums[0];
     };
     const double from = beginning - tip, to = end - tip;
-    return (mean(end) - mean(beginning)) / (1000 * 9.81 * (from * from - to * to) / (2 * (dimensions == 2 ? 4e4 : 3e4)));
+    return (mean(end) - mean(beginning)) /
+           (1000 * 9.81 * (from * from - to * to) / (2 * (dimensions == 2 ? 4e4 : 3e4)));
 }
 
 TEST(StokesFlows, AHangingColumnStretchesByItsExtensionalViscosity) {
     for (const auto& [dimensions, cells, width] : {std::array{2, 64, 8}, {2, 32, 4}, {3, 32, 4}}) {
         const std::string name = std::to_string(dimensions) + "D " + std::to_string(width) + " cells wide ";
-        const double one = stretching(dimensions, cells, width, true), other = stretching(dimensions, cells, width, false);
+        const double one = stretching(dimensions, cells, width, true),
+                     other = stretching(dimensions, cells, width, false);
         testing::Test::RecordProperty(name + "together", std::to_string(one));
         testing::Test::RecordProperty(name + "split", std::to_string(other));
         EXPECT_NEAR(one, 1, 0.03) << name;
@@ -76,11 +82,15 @@ TEST(StokesFlows, AViscousLayerLevels) {
         EXPECT_TRUE(run.step(100).solve.converged());
         // a' = -k times the volume that flows across x = 1/4.
         const double rate = k / amplitude / 64 * run.sum([&](int a, std::size_t at, const Vec3& x) {
-            return a == 0 && std::fabs(x[0] - 0.25) < 1e-6 ? run.velocity.axis[0](at) * run.fractions.face_liquid_clipped.axis[0](at) : 0.0;
+            return a == 0 && std::fabs(x[0] - 0.25) < 1e-6
+                       ? run.velocity.axis[0](at) * run.fractions.face_liquid_clipped.axis[0](at)
+                       : 0.0;
         });
         const double q = k * height;
-        const double expected = 1000 * 9.81 / (2 * eta * k) * (std::sinh(2 * q) - 2 * q) / (1 + 2 * q * q + std::cosh(2 * q));
-        testing::Test::RecordProperty("rate over Orchard's at q = " + std::to_string(q), std::to_string(rate / expected));
+        const double expected =
+            1000 * 9.81 / (2 * eta * k) * (std::sinh(2 * q) - 2 * q) / (1 + 2 * q * q + std::cosh(2 * q));
+        testing::Test::RecordProperty(
+            "rate over Orchard's at q = " + std::to_string(q), std::to_string(rate / expected));
         EXPECT_NEAR(rate / expected, 1, 0.1) << height;
     }
 }
@@ -89,7 +99,9 @@ TEST(StokesFlows, AViscousLayerLevels) {
 // its depth. The often quoted -2 nu k^2 is its limit; at this viscosity the rate is 0.86 of that.
 std::complex<double> damped_wave(double omega, double nu, double k) {
     const double a = nu * k * k;
-    const auto f = [=](std::complex<double> s) { return (s + 2 * a) * (s + 2 * a) + omega * omega - 4 * a * a * std::sqrt(1.0 + s / a); };
+    const auto f = [=](std::complex<double> s) {
+        return (s + 2 * a) * (s + 2 * a) + omega * omega - 4 * a * a * std::sqrt(1.0 + s / a);
+    };
     std::complex<double> s(-2 * a, omega);
     for (int i = 0; i < 50; ++i) s -= f(s) / ((f(s + 1e-6) - f(s - 1e-6)) / 2e-6);
     return s;
@@ -121,7 +133,8 @@ TEST(StokesFlows, AStandingWaveSwingsAndDiesDown) {
             time.push_back(time.back() + step->advance(0.01).dt);
             at.push_back(middle());
             const std::size_t n = at.size() - 1;
-            if (at[n] * at[n - 1] < 0) crossing.push_back(time[n - 1] + (time[n] - time[n - 1]) * at[n - 1] / (at[n - 1] - at[n]));
+            if (at[n] * at[n - 1] < 0)
+                crossing.push_back(time[n - 1] + (time[n] - time[n - 1]) * at[n - 1] / (at[n - 1] - at[n]));
             if (n > 1 && std::fabs(at[n - 1]) > std::fabs(at[n]) && std::fabs(at[n - 1]) > std::fabs(at[n - 2])) {
                 const double a = at[n - 2], b = at[n - 1], c = at[n];
                 peak.push_back(std::fabs(b - 0.125 * (c - a) * (c - a) / (a - 2 * b + c))); // of a parabola
@@ -144,7 +157,7 @@ struct Errors {
 // Of steady Stokes flow between free-slip walls, in the box with its mirror images in them: periodic, of twice the width, which is
 // scaled to 1. `viscosity` and `force` (along y) are those of the box.
 Errors errors(int cells, const StokesField& exact, const std::function<double(double, double)>& viscosity,
-              const std::function<double(double, double)>& force) {
+    const std::function<double(double, double)>& force) {
     const auto fraction = [](double x) { return x - std::floor(x + 1e-9); };
     const auto folded = [=](double x) { return std::min(2 * fraction(x), 2 - 2 * fraction(x)); }; // into the box
     const auto side = [=](double x) { return fraction(x) < 0.5 ? 1.0 : -1.0; };
@@ -157,13 +170,15 @@ Errors errors(int cells, const StokesField& exact, const std::function<double(do
     sample.stokes.residual = 1e-11;
     StokesCase run(Comm::world(), sample);
     const double dt = 1e4; // inertia is nothing, and residuals of the mean velocity are small
-    run.set_velocity([&](int a, const Vec3& x) { return a == 1 ? dt * side(x[1]) * force(folded(x[0]), folded(x[1])) : 0.0; });
+    run.set_velocity(
+        [&](int a, const Vec3& x) { return a == 1 ? dt * side(x[1]) * force(folded(x[0]), folded(x[1])) : 0.0; });
     EXPECT_TRUE(run.step(dt).solve.converged());
     const auto known = [&](int a, const Vec3& x) {
         const double b = folded(x[0]), c = folded(x[1]);
         return 0.25 * (a == 0 ? side(x[0]) * exact.u(b, c) : side(x[1]) * exact.v(b, c));
     };
-    const double off = run.sum([&](int a, std::size_t at, const Vec3& x) { return std::pow(run.velocity.axis[a](at) - known(a, x), 2); });
+    const double off = run.sum(
+        [&](int a, std::size_t at, const Vec3& x) { return std::pow(run.velocity.axis[a](at) - known(a, x), 2); });
     const double all = run.sum([&](int a, std::size_t, const Vec3& x) { return std::pow(known(a, x), 2); });
     // Pressures differ by a constant.
     double sums[5] = {0, 0, 0, 0, 0}; // cells, p - q, its square, q, its square
@@ -174,7 +189,8 @@ Errors errors(int cells, const StokesField& exact, const std::function<double(do
         owned.cell(i, c);
         run.grid.centre(c, x.data());
         const double q = 0.5 * exact.p(folded(x[0]), folded(x[1]));
-        const double d = run.pressure.pressures()(static_cast<std::size_t>(run.halo.window().index(c[0], c[1], c[2]))) - q;
+        const double d =
+            run.pressure.pressures()(static_cast<std::size_t>(run.halo.window().index(c[0], c[1], c[2]))) - q;
         const double terms[5] = {1, d, d * d, q, q * q};
         for (int k = 0; k < 5; ++k) sums[k] += terms[k];
     }
@@ -185,8 +201,11 @@ Errors errors(int cells, const StokesField& exact, const std::function<double(do
 
 void check_orders(const std::string& name, const std::function<Errors(int)>& of) {
     const Errors coarse = of(16), middle = of(32), fine = of(64);
-    const double velocity = std::log2(middle.velocity / fine.velocity), pressure = std::log2(middle.pressure / fine.pressure);
-    const auto text = [](double a, double b, double c) { return std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c); };
+    const double velocity = std::log2(middle.velocity / fine.velocity),
+                 pressure = std::log2(middle.pressure / fine.pressure);
+    const auto text = [](double a, double b, double c) {
+        return std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c);
+    };
     testing::Test::RecordProperty(name + " velocity", text(coarse.velocity, middle.velocity, fine.velocity));
     testing::Test::RecordProperty(name + " pressure", text(coarse.pressure, middle.pressure, fine.pressure));
     EXPECT_GT(velocity, 1.8) << name;
@@ -198,16 +217,20 @@ void check_orders(const std::string& name, const std::function<Errors(int)>& of)
 TEST(StokesFlows, AJumpOfViscosityIsSecondOrder) {
     const auto exact = jump_of_viscosity(1, 1e6);
     check_orders("SolCx", [&](int cells) {
-        return errors(cells, exact, [](double x, double) { return x < 0.5 - 1e-9 ? 1.0 : x > 0.5 + 1e-9 ? 1e6 : 2 / (1 + 1e-6); },
-                      [](double x, double y) { return std::sin(math::pi * y) * std::cos(math::pi * x); });
+        return errors(
+            cells, exact, [](double x, double) { return x < 0.5 - 1e-9   ? 1.0
+                                                        : x > 0.5 + 1e-9 ? 1e6
+                                                                         : 2 / (1 + 1e-6); },
+            [](double x, double y) { return std::sin(math::pi * y) * std::cos(math::pi * x); });
     });
 }
 
 TEST(StokesFlows, AnExponentialViscosityIsSecondOrder) {
     const auto exact = exponential_viscosity(1e6, 2, 3);
     check_orders("SolKz", [&](int cells) {
-        return errors(cells, exact, [](double, double y) { return std::pow(1e6, y); },
-                      [](double x, double y) { return std::sin(2 * math::pi * y) * std::cos(3 * math::pi * x); });
+        return errors(
+            cells, exact, [](double, double y) { return std::pow(1e6, y); },
+            [](double x, double y) { return std::sin(2 * math::pi * y) * std::cos(3 * math::pi * x); });
     });
 }
 

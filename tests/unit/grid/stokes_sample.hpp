@@ -17,8 +17,8 @@ struct StokesSample : ViscousSample {
 class StokesCase : public ViscousCase {
 public:
     StokesCase(const Comm& comm, const StokesSample& given)
-        : ViscousCase(comm, given), sample(given), pressure(comm, with_residual(given), given.coupling, given.dimensions),
-          stokes(comm, given.stokes) {
+        : ViscousCase(comm, given), sample(given),
+          pressure(comm, with_residual(given), given.coupling, given.dimensions), stokes(comm, given.stokes) {
         distance = Array<double>("distance", static_cast<std::size_t>(halo.window().size()));
         for (int i = 0; i < halo.window().size(); ++i) {
             int c[3];
@@ -117,14 +117,17 @@ private:
         for (int i = 0; i < owned.size(); ++i) {
             int c[3];
             owned.cell(i, c);
-            for (int a = 0; a < grid.dimensions; ++a) use(a, static_cast<std::size_t>(halo.window().index(c[0], c[1], c[2])), face(a, c));
+            for (int a = 0; a < grid.dimensions; ++a)
+                use(a, static_cast<std::size_t>(halo.window().index(c[0], c[1], c[2])), face(a, c));
         }
     }
     PressureContext scene() {
-        return {grid, halo, distance, fractions, sample.solid_slips ? all_shares : shares, bodies, sample.density, sample.surface_tension};
+        return {grid, halo, distance, fractions, sample.solid_slips ? all_shares : shares, bodies, sample.density,
+            sample.surface_tension};
     }
     ViscousScene viscous_scene() {
-        return {grid, halo, fractions, shares, viscosities, sample.density, sample.solid_slips ? &slip : nullptr, &pressed_};
+        return {grid, halo, fractions, shares, viscosities, sample.density, sample.solid_slips ? &slip : nullptr,
+            &pressed_};
     }
 
     PressureFaces pressed_;

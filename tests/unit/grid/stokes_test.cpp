@@ -41,7 +41,8 @@ TEST_F(GridStokes, liquid_at_rest_over_a_tilted_floor_stays_at_rest) {
             run.set_velocity([](int, const Vec3&) { return 0.0; });
             const auto report = run.step(dt);
             EXPECT_TRUE(report.solve.converged()) << report.solve.reason;
-            EXPECT_LT(run.max_speed(), 1e-8 * 9.81 * dt) << dimensions << " " << viscosity; // the solves' residuals, some cells deep
+            EXPECT_LT(run.max_speed(), 1e-8 * 9.81 * dt)
+                << dimensions << " " << viscosity; // the solves' residuals, some cells deep
         }
     }
 }
@@ -99,7 +100,8 @@ TEST_F(GridStokes, is_the_same_on_one_rank_and_on_all) {
         const auto momentum = run.momentum(0.05);
         std::vector<double> out(momentum.begin(), momentum.end());
         for (std::size_t b = 0; b < 2; ++b) {
-            for (std::size_t k = 0; k < 3; ++k) out.insert(out.end(), {run.bodies.velocity(b)[k], run.bodies.spin(b)[k]});
+            for (std::size_t k = 0; k < 3; ++k)
+                out.insert(out.end(), {run.bodies.velocity(b)[k], run.bodies.spin(b)[k]});
         }
         out.push_back(run.max_speed());
         return out;
@@ -160,7 +162,9 @@ TEST_F(GridStokes, a_hanging_sheet_stretches_by_its_extensional_viscosity) {
     sample.cells = 64;
     const double half_width = 4.0 / 64, length = 0.85, ceiling = 0.95;
     sample.solid = [=](const Vec3& x) { return ceiling - x[1]; };
-    sample.liquid = [=](const Vec3& x) { return std::max(std::fabs(x[0] - 0.5) - half_width, ceiling - length - x[1]); };
+    sample.liquid = [=](const Vec3& x) {
+        return std::max(std::fabs(x[0] - 0.5) - half_width, ceiling - length - x[1]);
+    };
     sample.gravity = {0, -9.81, 0};
     sample.viscosity = [](const Vec3&) { return 1e4; };
     sample.stokes.residual = 1e-10;
@@ -175,7 +179,8 @@ TEST_F(GridStokes, a_hanging_sheet_stretches_by_its_extensional_viscosity) {
         }
         return run.most([&](int a, std::size_t at, const Vec3& x) {
             return a == 1 && std::fabs(x[0] - 0.5) < half_width && std::fabs(x[1] - (ceiling - length)) < 0.6 / 64
-                       ? -run.velocity.axis[a](at) : 0.0;
+                       ? -run.velocity.axis[a](at)
+                       : 0.0;
         });
     };
     EXPECT_NEAR(tip(true) / expected, 1, 0.04); // the ceiling holds the sheet's upper end together

@@ -50,9 +50,9 @@ StepSample sample_of_drop(const Drop& drop) {
 
 struct Seen {
     std::vector<double> time, energy, stretch; // [s], [J] or [J/m] of what moves about the middle, [1]
-    double radius = 0;   // of the volume that the particles have [m]
-    double farthest = 0; // of a particle from the middle, in the end [m]
-    double drift = 0;    // speed of the whole, in the end [m/s]
+    double radius = 0;                         // of the volume that the particles have [m]
+    double farthest = 0;                       // of a particle from the middle, in the end [m]
+    double drift = 0;                          // speed of the whole, in the end [m/s]
 };
 
 void look(const GridStep& step, const Drop& drop, Seen& seen) {
@@ -113,8 +113,10 @@ double largest(const std::vector<double>& of, double from, double to) {
 TEST(Drops, AtRestStayAtRest) {
     for (const auto& drop : {Drop{2, 8, 0}, Drop{2, 8, 0.005}, Drop{2, 8, 0.005, 0, 0.5}, Drop{3, 4, 0.005}}) {
         const auto seen = run(drop, drop.dimensions == 2 ? 4 : 2);
-        const double surface = tension * (drop.dimensions == 2 ? 2 * math::pi * radius : 4 * math::pi * radius * radius);
-        EXPECT_LT(largest(seen.energy, 0.5, 1), largest(seen.energy, 0, 0.125)) << drop.dimensions << ' ' << drop.viscosity;
+        const double surface =
+            tension * (drop.dimensions == 2 ? 2 * math::pi * radius : 4 * math::pi * radius * radius);
+        EXPECT_LT(largest(seen.energy, 0.5, 1), largest(seen.energy, 0, 0.125))
+            << drop.dimensions << ' ' << drop.viscosity;
         EXPECT_LT(largest(seen.energy, 0, 1), 2e-3 * surface); // 1e-3 in the plane, 1e-4 in space
         EXPECT_LT(seen.farthest, radius * (1 + 0.7 / drop.cells));
         EXPECT_LT(std::fabs(seen.drift - drop.speed), 0.015); // 0.01: what the faces' curvatures do not cancel
@@ -130,10 +132,12 @@ TEST(Drops, OscillateAtTheirFrequency) {
         std::vector<double> passed;
         for (std::size_t k = 1; k < seen.time.size(); ++k) {
             const double before = seen.stretch[k - 1] - mean, after = seen.stretch[k] - mean;
-            if (before * after < 0) passed.push_back(seen.time[k - 1] + before / (before - after) * (seen.time[k] - seen.time[k - 1]));
+            if (before * after < 0)
+                passed.push_back(seen.time[k - 1] + before / (before - after) * (seen.time[k] - seen.time[k - 1]));
         }
         ASSERT_EQ(passed.size(), 2u) << drop.dimensions << ' ' << drop.cells;
-        EXPECT_NEAR(math::pi / (passed[1] - passed[0]) / frequency(drop, seen.radius), 1, 0.04) << drop.dimensions << ' ' << drop.cells;
+        EXPECT_NEAR(math::pi / (passed[1] - passed[0]) / frequency(drop, seen.radius), 1, 0.04)
+            << drop.dimensions << ' ' << drop.cells;
     }
 }
 

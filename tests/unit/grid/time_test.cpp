@@ -57,7 +57,8 @@ Motion motion_of(const GridStep& step) {
     out.momentum = totals.momentum;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-        out.about_centre[k] = totals.angular_momentum[k] - out.centre[a] * out.momentum[b] + out.centre[b] * out.momentum[a];
+        out.about_centre[k] =
+            totals.angular_momentum[k] - out.centre[a] * out.momentum[b] + out.centre[b] * out.momentum[a];
     }
     return out;
 }

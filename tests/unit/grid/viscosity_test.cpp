@@ -101,7 +101,8 @@ TEST_F(GridViscosity, couette_start_up_decays_by_nu_pi2_over_h2) {
         run.set_velocity([&](int a, const Vec3& x) { return a == 0 ? mode(x) : 0.0; });
         const auto amplitude = [&] {
             return run.sum([&](int a, std::size_t at, const Vec3& x) {
-                return a == 0 && x[1] > low + 0.05 && x[1] < low + height - 0.05 ? run.velocity.axis[a](at) * mode(x) : 0.0;
+                return a == 0 && x[1] > low + 0.05 && x[1] < low + height - 0.05 ? run.velocity.axis[a](at) * mode(x)
+                                                                                 : 0.0;
             });
         };
         const double before = amplitude();
@@ -118,7 +119,9 @@ TEST_F(GridViscosity, poiseuille_flow_is_right_with_walls_anywhere) {
         const double dt = 1e5; // no inertia is left
         run.set_velocity([&](int a, const Vec3&) { return a == 0 ? dt : 0.0; });
         run.solve(dt);
-        const double most = run.most([&](int a, std::size_t at, const Vec3&) { return a == 0 && run.fractions.face_liquid_clipped.axis[a](at) > 0 ? run.velocity.axis[a](at) : 0.0; });
+        const double most = run.most([&](int a, std::size_t at, const Vec3&) {
+            return a == 0 && run.fractions.face_liquid_clipped.axis[a](at) > 0 ? run.velocity.axis[a](at) : 0.0;
+        });
         EXPECT_NEAR(most, height * height / 8, 0.01 * height * height / 8) << low;
     }
 }
@@ -189,7 +192,8 @@ TEST_F(GridViscosity, free_slip_leaves_flow_along_a_tilted_wall_alone) {
     run.set_velocity([&](int a, const Vec3&) { return along(a); });
     run.solve(0.1);
     const double change = run.most([&](int a, std::size_t at, const Vec3&) {
-        return run.fractions.face_liquid_clipped.axis[a](at) > 1e-6 ? std::fabs(run.velocity.axis[a](at) - along(a)) : 0.0;
+        return run.fractions.face_liquid_clipped.axis[a](at) > 1e-6 ? std::fabs(run.velocity.axis[a](at) - along(a))
+                                                                    : 0.0;
     });
     EXPECT_LT(change, 1e-10); // of 1 m/s: the solve's
 }
@@ -222,7 +226,8 @@ TEST_F(GridViscosity, slip_walls_hold_liquid_off) {
         run.set_velocity([&](int a, const Vec3&) { return a == 1 ? 1.0 : 0.0; });
         run.solve(1.0);
         const double most = run.most([&](int a, std::size_t at, const Vec3&) {
-            return a == 1 && run.fractions.face_liquid_clipped.axis[a](at) > 0.01 ? std::fabs(run.velocity.axis[a](at)) : 0.0;
+            return a == 1 && run.fractions.face_liquid_clipped.axis[a](at) > 0.01 ? std::fabs(run.velocity.axis[a](at))
+                                                                                  : 0.0;
         });
         EXPECT_LT(most, 1e-2) << low; // about h^2 / (8 nu dt) = 6e-4, more at the walls' own cells
     }

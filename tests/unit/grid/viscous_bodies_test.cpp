@@ -83,7 +83,8 @@ TEST_F(GridViscousBodies, what_moves_as_one_rigid_body_goes_on) {
     auto sample = two_bodies(1e4);
     const Vec3 u{0.3, -0.2, 0.1}, w{0.5, -1, 0.7};
     const auto velocity = [=](const Vec3& x) {
-        return Vec3{u[0] + w[1] * x[2] - w[2] * x[1], u[1] + w[2] * x[0] - w[0] * x[2], u[2] + w[0] * x[1] - w[1] * x[0]};
+        return Vec3{
+            u[0] + w[1] * x[2] - w[2] * x[1], u[1] + w[2] * x[0] - w[0] * x[2], u[2] + w[0] * x[1] - w[1] * x[0]};
     };
     for (auto& body : sample.bodies.bodies) {
         body.velocity = velocity(body.centre);
@@ -93,7 +94,8 @@ TEST_F(GridViscousBodies, what_moves_as_one_rigid_body_goes_on) {
     ViscousCase run(comm, sample);
     run.set_velocity([&](int a, const Vec3& x) { return velocity(x)[static_cast<std::size_t>(a)]; });
     EXPECT_EQ(run.solve(0.01).solve.iterations, 0);
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(run.bodies.velocity(0)[k], sample.bodies.bodies[0].velocity[k], 1e-9);
+    for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(run.bodies.velocity(0)[k], sample.bodies.bodies[0].velocity[k], 1e-9);
 }
 
 TEST_F(GridViscousBodies, a_stiff_liquid_takes_a_body_along_where_weak_coupling_lags) {
@@ -165,7 +167,8 @@ TEST_F(GridViscousBodies, torque_between_cylinders_is_that_of_taylor_and_couette
     const double before = run.bodies.angular_momentum(0)[2];
     run.solve(dt);
     const double torque = (before - run.bodies.angular_momentum(0)[2]) / dt;
-    const double expected = 4 * std::numbers::pi * viscosity * spin * inner * inner * outer * outer / (outer * outer - inner * inner);
+    const double expected =
+        4 * std::numbers::pi * viscosity * spin * inner * inner * outer * outer / (outer * outer - inner * inner);
     EXPECT_NEAR(torque, expected, 0.05 * expected);
 }
 
@@ -173,7 +176,9 @@ TEST_F(GridViscousBodies, torque_between_cylinders_is_that_of_taylor_and_couette
 TEST_F(GridViscousBodies, torque_on_a_sphere_that_turns_within_another_is_right) {
     const Vec3 middle{0.513, 0.491, 0.502};
     const double inner = 0.2, outer = 0.45, spin = 1.5, viscosity = 1000;
-    const auto from_middle = [=](const Vec3& x) { return std::hypot(x[0] - middle[0], x[1] - middle[1], x[2] - middle[2]); };
+    const auto from_middle = [=](const Vec3& x) {
+        return std::hypot(x[0] - middle[0], x[1] - middle[1], x[2] - middle[2]);
+    };
     ViscousSample sample;
     sample.cells = 32; // 6.4 in the inner radius
     sample.solid = [=](const Vec3& x) { return outer - from_middle(x); };

@@ -32,7 +32,7 @@ struct ViscousSample {
     int cells = 16; // along each axis of the unit cube
     int dimensions = 3;
     std::array<bool, 3> periodic{};
-    bool walls = false;          // of the cube, where it is not periodic
+    bool walls = false; // of the cube, where it is not periodic
     ViscousDistance liquid = [](const Vec3&) { return -1.0; };
     ViscousDistance solid = [](const Vec3&) { return 1.0; };
     bool solid_slips = false; // and the bodies
@@ -60,8 +60,9 @@ public:
     }
 
     ViscosityReport solve(double dt) {
-        return viscosity.solve({grid, halo, fractions, shares, viscosities, sample_.density, sample_.solid_slips ? &slip : nullptr},
-                               velocity, bodies, dt);
+        return viscosity.solve(
+            {grid, halo, fractions, shares, viscosities, sample_.density, sample_.solid_slips ? &slip : nullptr},
+            velocity, bodies, dt);
     }
 
     void set_velocity(const std::function<double(int, const Vec3&)>& u) {
@@ -80,7 +81,8 @@ public:
         std::array<double, 6> sums{};
         each(halo.owned(), [&](std::size_t at, const int c[3]) {
             for (int a = 0; a < grid.dimensions; ++a) {
-                const double m = sample_.density * std::pow(grid.dx, grid.dimensions) * fractions.face_liquid_clipped.axis[a](at);
+                const double m =
+                    sample_.density * std::pow(grid.dx, grid.dimensions) * fractions.face_liquid_clipped.axis[a](at);
                 const auto x = face(a, c);
                 add_load(a, x.data(), m * velocity.axis[a](at), sums.data());
             }
@@ -157,7 +159,9 @@ private:
         }
     }
     template <class Use>
-    void each(const CellBox& box, const Use& use) const { each(box, halo.window(), use); }
+    void each(const CellBox& box, const Use& use) const {
+        each(box, halo.window(), use);
+    }
 
     double walls_at(const Vec3& x) const {
         double least = 1;
@@ -216,8 +220,8 @@ private:
     void fill_slip() {
         const FineNodes nodes(grid, halo.window());
         FractionBuilder builder;
-        builder.build(nodes, at_nodes(nodes, [&](const Vec3& x) { return walls_at(x); }), at_nodes(nodes, sample_.liquid),
-                      FractionMethod::consistent, slip.grip);
+        builder.build(nodes, at_nodes(nodes, [&](const Vec3& x) { return walls_at(x); }),
+            at_nodes(nodes, sample_.liquid), FractionMethod::consistent, slip.grip);
         slip.length = Array<double>("length", places_);
         Kokkos::deep_copy(slip.length, sample_.slip_length);
         slip.body = Array<int>("body", places_);

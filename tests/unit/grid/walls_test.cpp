@@ -31,7 +31,8 @@ StepSample channel(int cells, double viscosity) {
 // Largest error of the particles' velocity along the channel, for a profile that is linear in y.
 double error_of(const Comm& comm, const GridStep& step, double at_floor, double slope) {
     double most = 0;
-    for (const auto& [id, state] : states(step)) most = std::max(most, std::fabs(state[3] - at_floor - slope * state[1]));
+    for (const auto& [id, state] : states(step))
+        most = std::max(most, std::fabs(state[3] - at_floor - slope * state[1]));
     return comm.max(most);
 }
 
@@ -76,16 +77,14 @@ TEST_F(GridWalls, ASideThatSlidesAndSlipsTakesTheLiquidAlong) {
 // Water, with walls that need not lie between cells.
 struct Tank {
     Vec3 max{1, 1, 0};
-    double down = -1; // along y
+    double down = -1;   // along y
     double level = 0.5; // depth [m]
     double viscosity = 0;
     scene::Slip slip = scene::Slip::free_slip;
     int settles = 5; // steps: where the walls are off the particles' lattice, the liquid first falls onto them
 };
 
-std::vector<Tank> tanks() {
-    return {{}, {{1, 0.975, 0}, 1}, {{0.98, 1, 0}, -1, 0.5, 100, scene::Slip::no_slip, 80}};
-}
+std::vector<Tank> tanks() { return {{}, {{1, 0.975, 0}, 1}, {{0.98, 1, 0}, -1, 0.5, 100, scene::Slip::no_slip, 80}}; }
 
 StepSample sample_of_tank(const Tank& tank, int cells) {
     auto sample = sample_of(cells, 2);

@@ -52,7 +52,8 @@ scene::CameraModel camera_at(double focal = 1000, const Vec3& turn = {0, 0, 0}, 
 
 constexpr double time_step = 0.01;
 
-FrameComparison compare(const Disc& observed, const Disc& simulated, const scene::CameraModel& camera, double filmed_readout = 0, double readout = 0) {
+FrameComparison compare(const Disc& observed, const Disc& simulated, const scene::CameraModel& camera,
+    double filmed_readout = 0, double readout = 0) {
     SimulatedFrame frame{simulated.draw(camera, 0, readout), simulated.draw(camera, time_step, readout), time_step};
     return compare_frame({3, 0.1, {}}, observed.draw(camera_at(), 0, filmed_readout).mask, frame, camera);
 }
@@ -69,7 +70,8 @@ TEST(ContourDistance, GoesAlongTheNormalWhereTheContourIsFar) {
     const auto thread = [](int end) {
         video::Mask out{160, 240, std::vector<std::uint8_t>(160 * 240, video::mask_background)};
         for (int row = 40; row < end; ++row) {
-            for (int column = 60; column < 100; ++column) out.pixels[std::size_t(row * 160 + column)] = video::mask_liquid;
+            for (int column = 60; column < 100; ++column)
+                out.pixels[std::size_t(row * 160 + column)] = video::mask_liquid;
         }
         return out;
     };
@@ -125,8 +127,9 @@ TEST(CompareFrame, DerivativesByTheCameraAreThoseOfOtherPictures) {
         int parameter;
         double step;
     };
-    for (const auto& [parameter, step] : {Change{view_focal, 0.02}, Change{view_turn, 0.004}, Change{view_turn + 1, 0.004}, Change{view_turn + 2, 0.05},
-                                          Change{view_place, 0.002}, Change{view_place + 1, 0.002}, Change{view_place + 2, 0.01}}) {
+    for (const auto& [parameter, step] :
+        {Change{view_focal, 0.02}, Change{view_turn, 0.004}, Change{view_turn + 1, 0.004}, Change{view_turn + 2, 0.05},
+            Change{view_place, 0.002}, Change{view_place + 1, 0.002}, Change{view_place + 2, 0.01}}) {
         Vec3 turn{0, 0, 0}, move{0, 0, 0};
         if (parameter >= view_turn && parameter < view_place) turn[std::size_t(parameter - view_turn)] = step;
         if (parameter >= view_place) move[std::size_t(parameter - view_place)] = step;
@@ -135,14 +138,16 @@ TEST(CompareFrame, DerivativesByTheCameraAreThoseOfOtherPictures) {
         ASSERT_EQ(before.segments.size(), after.segments.size());
         for (std::size_t i = 0; i < before.segments.size(); ++i) {
             const double moved = after.segments[i].displacement - before.segments[i].displacement;
-            EXPECT_NEAR(moved, before.segments[i].by_view[std::size_t(parameter)] * step, 0.25) << view_parameters(ExperimentKind::contours)[std::size_t(parameter)].name << " segment " << i;
+            EXPECT_NEAR(moved, before.segments[i].by_view[std::size_t(parameter)] * step, 0.25)
+                << view_parameters(ExperimentKind::contours)[std::size_t(parameter)].name << " segment " << i;
         }
     }
 }
 
 TEST(CompareFrame, ALaterTimeZeroShowsTheRunEarlier) {
     const auto comparison = compare(Disc(), Disc(0.03, {0.05, 0, 0}), camera_at()); // 100 px/s to the right
-    for (const auto& s : comparison.segments) EXPECT_NEAR(s.by_view[view_time], -100 * s.normal_x, 25) << s.x << " " << s.y;
+    for (const auto& s : comparison.segments)
+        EXPECT_NEAR(s.by_view[view_time], -100 * s.normal_x, 25) << s.x << " " << s.y;
 }
 
 // A disc that moves to the right by 100 px/s, filmed with a readout of 0.1 s: its rows lie up to 3.5 px off.
@@ -150,7 +155,8 @@ TEST(CompareFrame, ARollingShuttersRowsAreComparedAtTheirOwnTime) {
     constexpr double readout = 0.1;
     const Disc disc(0.03, {0.05, 0, 0});
     double ignored = 0, included = 0;
-    const auto without = compare(disc, disc, camera_at(), readout, 0), with = compare(disc, disc, camera_at(), readout, readout);
+    const auto without = compare(disc, disc, camera_at(), readout, 0),
+               with = compare(disc, disc, camera_at(), readout, readout);
     for (std::size_t i = 0; i < with.segments.size(); ++i) {
         ignored = std::max(ignored, std::abs(without.segments[i].displacement));
         included = std::max(included, std::abs(with.segments[i].displacement));

@@ -44,10 +44,12 @@ TEST(CurveFit, NoiseMovesTheLawByAsMuchAsItScatters) {
     constexpr double noise = 0.03;
     std::mt19937 random(7);
     std::normal_distribution<double> normal(0, noise);
-    const auto fit = fit_flow_curve(measured([&](double rate) { return herschel_bulkley(rate) * std::exp(normal(random)); }));
+    const auto fit =
+        fit_flow_curve(measured([&](double rate) { return herschel_bulkley(rate) * std::exp(normal(random)); }));
     EXPECT_NEAR(fit.rms, noise, 0.01);
     // Of 29 points the curve itself is known to some noise / sqrt(29 / 3) in the middle, twice that at its ends.
-    for (const double rate : {0.1, 1.0, 10.0, 150.0}) EXPECT_NEAR(std::log(fit.at(rate) / herschel_bulkley(rate)), 0, 2.5 * noise) << rate;
+    for (const double rate : {0.1, 1.0, 10.0, 150.0})
+        EXPECT_NEAR(std::log(fit.at(rate) / herschel_bulkley(rate)), 0, 2.5 * noise) << rate;
     EXPECT_TRUE(fit.is_close());
 }
 

@@ -43,12 +43,16 @@ TEST(Design, TheViewTakesItsShare) {
 // Two parameters that one block does not distinguish are distinguished by a block on which their effects have another
 // ratio.
 TEST(Design, ABlockThatTellsTheRidgeApartNarrowsTheBandMore) {
-    const Eigen::MatrixXd before = covariance_after(10 * Eigen::MatrixXd::Identity(2, 2), information_of_runs(run(0, 0, true), {run(0.1, 0, true), run(0, 0.1, true)}, {0.1, 0.1}, known(), 1));
-    const auto same = information_of_runs(run(0, 0, true), {run(0.1, 0, true), run(0, 0.1, true)}, {0.1, 0.1}, known(), 1);
-    const auto other = information_of_runs(run(0, 0, false), {run(0.1, 0, false), run(0, 0.1, false)}, {0.1, 0.1}, known(), 1);
+    const Eigen::MatrixXd before = covariance_after(10 * Eigen::MatrixXd::Identity(2, 2),
+        information_of_runs(run(0, 0, true), {run(0.1, 0, true), run(0, 0.1, true)}, {0.1, 0.1}, known(), 1));
+    const auto same =
+        information_of_runs(run(0, 0, true), {run(0.1, 0, true), run(0, 0.1, true)}, {0.1, 0.1}, known(), 1);
+    const auto other =
+        information_of_runs(run(0, 0, false), {run(0.1, 0, false), run(0, 0.1, false)}, {0.1, 0.1}, known(), 1);
     Eigen::MatrixXd slopes(2, 2);
     slopes << 1, 0, 1, 2;
-    const double width = band_half_width(before, slopes), after_same = band_half_width(covariance_after(before, same), slopes),
+    const double width = band_half_width(before, slopes),
+                 after_same = band_half_width(covariance_after(before, same), slopes),
                  after_other = band_half_width(covariance_after(before, other), slopes);
     EXPECT_GT(after_same, 0.95 * width);
     EXPECT_LT(after_other, 0.2 * width);

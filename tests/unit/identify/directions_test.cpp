@@ -37,7 +37,8 @@ TEST(ExtrapolateAnswers, TheWellKnownCombinationIsNotSpoiltByTheOther) {
     const std::vector<double> spacings{4, 2, 1};
     std::vector<ResolutionAnswer> answers;
     const double wild[] = {0.4, -0.5, 0.3};
-    for (std::size_t i = 0; i < 3; ++i) answers.push_back({spacings[i], 1, (1 + 0.02 * spacings[i]) * well + wild[i] * ill});
+    for (std::size_t i = 0; i < 3; ++i)
+        answers.push_back({spacings[i], 1, (1 + 0.02 * spacings[i]) * well + wild[i] * ill});
     const Matrix covariance = 1e-6 * well * well.transpose() + 0.2 * ill * ill.transpose();
     const auto found = extrapolate_answers(answers, covariance, covariance, 4);
     EXPECT_NEAR(well.dot(found.value), 1, 0.01);

@@ -41,7 +41,8 @@ struct Film {
                 one.x = 100 + 50 * std::cos(angle);
                 one.y = 100 + 50 * std::sin(angle);
                 one.points = 25;
-                const double d = x - truth - rise * (double(f) / (frames - 1) - 0.5), slope = -20 * std::max(0.0, std::cos(angle)) * f / frames;
+                const double d = x - truth - rise * (double(f) / (frames - 1) - 0.5),
+                             slope = -20 * std::max(0.0, std::cos(angle)) * f / frames;
                 one.displacement = slope * (d - 0.1 * d * d) - shift - noise[std::size_t(f * segments + s)];
                 one.by_view[view_contour] = 1;
                 residuals.segments.push_back(one);
@@ -154,7 +155,8 @@ TEST(Estimate, IntervalsOfWindowsHoldTheTruthThoughSegmentsShareAllTheirNoise) {
         const auto found = estimate(runs, prior(0.3));
         EXPECT_EQ(found.blocks, std::size_t(windows));
         EXPECT_LT(found.freedom[0], windows);
-        inside += std::abs(found.point[0] - truth) < ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
+        inside += std::abs(found.point[0] - truth) <
+                  ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
     }
     EXPECT_GE(inside, 22); // of 30, three standard deviations of the count from 27
 }
@@ -172,7 +174,8 @@ TEST(Estimate, AnotherResolutionsRunMovesTheAnswer) {
 std::vector<EvaluatedRun> with_readout(std::vector<EvaluatedRun> runs, double readout) {
     for (auto& run : runs) {
         for (auto& one : run.experiments[0].segments) {
-            const double later = 0.4 * std::sin(2 * std::numbers::pi * (one.y - 40) / 480), speed = 60 * std::max(0.0, (one.x - 100) / 50);
+            const double later = 0.4 * std::sin(2 * std::numbers::pi * (one.y - 40) / 480),
+                         speed = 60 * std::max(0.0, (one.x - 100) / 50);
             one.by_view[view_readout] = later * speed;
             one.displacement -= readout * later * speed;
         }
@@ -188,7 +191,8 @@ TEST(Estimate, ARollingShutterThatIsIgnoredBiasesTheAnswerAndOneThatIsFreeDoesNo
     const auto free = estimate(runs, priors);
     EXPECT_GT(std::abs(ignored.point[0] - truth), 0.015);
     EXPECT_LT(std::abs(free.point[0] - truth), 0.004);
-    EXPECT_LT(std::abs(free.point[0] - truth), ninety_percent(free.parts[0], free.freedom[0]) * std::sqrt(free.parts[0].total()));
+    EXPECT_LT(std::abs(free.point[0] - truth),
+        ninety_percent(free.parts[0], free.freedom[0]) * std::sqrt(free.parts[0].total()));
     EXPECT_NEAR(free.view[0][view_readout], 0.02, 0.002);
 }
 

@@ -39,7 +39,8 @@ Material lotion() {
 
 TEST_F(MaterialTest, ComesBackAsItWasWrittenBesideOtherKeys) {
     const auto written = lotion();
-    const auto all = read("schema_version: 1\nidentified:\n  - {name: K, anything: [1, 2]}\n" + yaml({written, written}) + "trials: 12\n");
+    const auto all = read("schema_version: 1\nidentified:\n  - {name: K, anything: [1, 2]}\n" +
+                          yaml({written, written}) + "trials: 12\n");
     ASSERT_EQ(all.size(), 2u);
     EXPECT_EQ(all[1].name, written.name);
     EXPECT_EQ(all[1].density, written.density);
@@ -58,7 +59,8 @@ TEST_F(MaterialTest, AFileWithoutMaterialsIsRefused) {
 }
 
 TEST_F(MaterialTest, WhatIsWrongInAMaterialIsToldWithItsLine) {
-    const auto said = refused("trials: 12\nmaterials:\n  - {name: oil, density: 900, viscosity: 1, rheology: {law: cros}}\n  - {name: oil, density: 900, viskosity: 1}\n");
+    const auto said = refused("trials: 12\nmaterials:\n  - {name: oil, density: 900, viscosity: 1, rheology: {law: "
+                              "cros}}\n  - {name: oil, density: 900, viskosity: 1}\n");
     EXPECT_NE(said.find("result.yaml:3: materials.oil.rheology.law = cros"), std::string::npos) << said;
     EXPECT_NE(said.find("result.yaml:4: materials.oil.viskosity is not a known key"), std::string::npos) << said;
     EXPECT_NE(said.find("viscosity is missing"), std::string::npos) << said;

@@ -75,7 +75,8 @@ TEST(ContourSegments, CoverTheContourOnceInPiecesOfTheirLength) {
     double points = 0;
     for (const auto& segment : segments) {
         points += double(segment.points.size());
-        for (const auto& point : segment.points) EXPECT_NEAR(std::hypot(point.pixel[0] - 100, point.pixel[1] - 75), 50, 0.6);
+        for (const auto& point : segment.points)
+            EXPECT_NEAR(std::hypot(point.pixel[0] - 100, point.pixel[1] - 75), 50, 0.6);
     }
     EXPECT_NEAR(double(segments.size()), 2 * 3.14159 * 50 / 25, 2);
     EXPECT_GT(points, 0.7 * 2 * 3.14159 * 50); // a diagonal step of pixels is one point on 1.4 px

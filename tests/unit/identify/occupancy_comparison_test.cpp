@@ -32,7 +32,8 @@ OccupancyWindow window_of(const Swing& film, const Swing& run) {
     out.step = 1e-3;
     const video::FilmDepth depth(std::size_t(width * height), 0.25f);
     for (int k = 0; k < frames; ++k) {
-        const auto mask = disc_at(k, film.swing, film.phase, film.sense), seen = disc_at(k, run.swing, run.phase, run.sense);
+        const auto mask = disc_at(k, film.swing, film.phase, film.sense),
+                   seen = disc_at(k, run.swing, run.phase, run.sense);
         out.film.add(mask, mask);
         out.now.add(mask, seen, depth);
         out.later.add(mask, seen);
@@ -85,7 +86,8 @@ TEST(Occupancy, AWiderSwingLiesOutside) {
 
 TEST(Occupancy, LevelsAreSharesOfTheFramesThatCount) {
     OccupancySum sum(2, 1);
-    const video::Mask left{2, 1, {video::mask_liquid, video::mask_background}}, none{2, 1, {video::mask_background, video::mask_excluded}};
+    const video::Mask left{2, 1, {video::mask_liquid, video::mask_background}},
+        none{2, 1, {video::mask_background, video::mask_excluded}};
     for (int k = 0; k < 3; ++k) sum.add(left, left);
     for (int k = 0; k < 7; ++k) sum.add(none, none);
     EXPECT_EQ(sum.level(0.3).at(0, 0), video::mask_liquid);
@@ -100,7 +102,8 @@ double noise_of(const std::vector<double>& radii) {
         video::Mask mask{width, height, std::vector<std::uint8_t>(std::size_t(width * height), video::mask_background)};
         for (int r = 0; r < height; ++r)
             for (int c = 0; c < width; ++c) {
-                if (std::hypot(c - 80.0, r - 60.0) <= radius) mask.pixels[std::size_t(r * width + c)] = video::mask_liquid;
+                if (std::hypot(c - 80.0, r - 60.0) <= radius)
+                    mask.pixels[std::size_t(r * width + c)] = video::mask_liquid;
             }
         windows.emplace_back(width, height).film.add(mask, mask);
     }
@@ -124,7 +127,8 @@ TEST(Occupancy, TheRateCountsAsALevelDoes) {
     ASSERT_EQ(one.segments.size(), before + 1);
     EXPECT_NEAR(one.segments.back().points, points / 3, 1e-9);
     EXPECT_NEAR(one.segments.back().displacement, 0.2 / (0.1 * 0.5), 1e-9);
-    add_turning(one, {30, 0.5, {}}, {5, 8}, {0, 0}, 0.1, levels.size()); // a run that does not turn is far away, and has a value
+    add_turning(one, {30, 0.5, {}}, {5, 8}, {0, 0}, 0.1,
+        levels.size()); // a run that does not turn is far away, and has a value
     EXPECT_NEAR(one.segments.back().displacement, -20, 1e-9);
 }
 

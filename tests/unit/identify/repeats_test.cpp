@@ -43,7 +43,9 @@ std::vector<EvaluatedRun> runs_against(const std::vector<double>& clips, double 
     return out;
 }
 
-std::vector<ViewInformation> priors(std::size_t clips) { return std::vector<ViewInformation>(clips, ViewInformation::Identity() * 1e12); }
+std::vector<ViewInformation> priors(std::size_t clips) {
+    return std::vector<ViewInformation>(clips, ViewInformation::Identity() * 1e12);
+}
 
 TEST(BetweenClips, IsTheVarianceOfTheMeanOfClipsThatDiffer) {
     const std::vector<double> clips{2.2, 2.3, 2.4};
@@ -78,13 +80,15 @@ TEST(BetweenClips, EntersIntervalsThatHoldTheTruth) {
         for (auto& one : clips) one = truth + normal(generator);
         const auto runs = runs_against(clips, 0.05);
         auto found = estimate(runs, priors(4));
-        inside_without += std::abs(found.point[0] - truth) < ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
+        inside_without += std::abs(found.point[0] - truth) <
+                          ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
         const auto scatter = between_clips(runs, priors(4), {0, 0, 0, 0});
         ASSERT_TRUE(scatter);
         found.parts[0].clips = scatter->variance[0];
         found.parts[0].clip_freedom = scatter->freedom;
         found.point += scatter->shift;
-        inside += std::abs(found.point[0] - truth) < ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
+        inside += std::abs(found.point[0] - truth) <
+                  ninety_percent(found.parts[0], found.freedom[0]) * std::sqrt(found.parts[0].total());
     }
     // Three standard deviations of the count below 54.
     EXPECT_GE(inside, 47);

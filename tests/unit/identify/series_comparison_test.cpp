@@ -28,7 +28,8 @@ TEST_F(SeriesTest, ValuesAreInTheRunsUnitAndTime) {
     experiment_.time_zero = 0.5;
     experiment_.from = 0.09;
     experiment_.every = 2;
-    const auto values = observed_values(experiment_, write("time [ms],value [cm],plus_minus [mm]\n500,1,1\n600,2,1\n700,3,1\n800,4,0.5\n"), "m");
+    const auto values = observed_values(
+        experiment_, write("time [ms],value [cm],plus_minus [mm]\n500,1,1\n600,2,1\n700,3,1\n800,4,0.5\n"), "m");
     ASSERT_EQ(values.size(), 2u);
     EXPECT_EQ(values[1].number, 3);
     EXPECT_NEAR(values[1].time, 0.3, 1e-12);
@@ -51,10 +52,12 @@ TEST_F(SeriesTest, ResidualsAreInDeviationsWithTheirDerivatives) {
 }
 
 TEST_F(SeriesTest, WhatIsWrongIsSaidWithItsLine) {
-    EXPECT_NE(said("time [s],value,plus_minus [m]\n0,1,1\n").find("front.csv:1: column value has no unit"), std::string::npos);
+    EXPECT_NE(said("time [s],value,plus_minus [m]\n0,1,1\n").find("front.csv:1: column value has no unit"),
+        std::string::npos);
     EXPECT_NE(said("time [s],value [s],plus_minus [m]\n0,1,1\n").find("is not in a unit of m"), std::string::npos);
     EXPECT_NE(said("time [s],front [m],plus_minus [m]\n0,1,1\n").find("has no column value"), std::string::npos);
-    EXPECT_NE(said("time [s],value [m],plus_minus [m]\n0,1,1\n1,1,0\n").find("front.csv:3: plus_minus must be > 0"), std::string::npos);
+    EXPECT_NE(said("time [s],value [m],plus_minus [m]\n0,1,1\n1,1,0\n").find("front.csv:3: plus_minus must be > 0"),
+        std::string::npos);
     experiment_.from = 5;
     EXPECT_NE(said("time [s],value [m],plus_minus [m]\n0,1,1\n").find("no value is between"), std::string::npos);
 }

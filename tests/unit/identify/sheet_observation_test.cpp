@@ -20,18 +20,22 @@ protected:
     void write_field(const std::string& name, double u, const char* head = "# x y u v flags mask\n") const {
         std::string text = head;
         for (int i = 0; i < 30; ++i) {
-            text += std::to_string(10 * (i % 6)) + "\t" + std::to_string(10 * (i / 6)) + "\t" + (i == 7 ? "nan" : std::to_string(u)) + "\t" + (i == 15 ? "-9" : "2") + "\t0\t0\n";
+            text += std::to_string(10 * (i % 6)) + "\t" + std::to_string(10 * (i / 6)) + "\t" +
+                    (i == 7 ? "nan" : std::to_string(u)) + "\t" + (i == 15 ? "-9" : "2") + "\t0\t0\n";
         }
         write(name, text);
     }
     Experiment experiment(const std::string& keys, const std::string& outer = "") const {
-        write("study.yaml", "schema_version: 1\nscenes: [{file: scene.yaml}]\nexperiments:\n  - piv: {" + keys + "}\n    " + outer + "\n");
+        write("study.yaml", "schema_version: 1\nscenes: [{file: scene.yaml}]\nexperiments:\n  - piv: {" + keys +
+                                "}\n    " + outer + "\n");
         return load_study_file(folder_.path() / "study.yaml").experiments.front();
     }
     ObservedSheet observe(const Experiment& one, const Touches& touches = {}) const {
-        return observe_sheet(one, [&](const std::string& name) { return folder_.path() / name; }, touches);
+        return observe_sheet(
+            one, [&](const std::string& name) { return folder_.path() / name; }, touches);
     }
-    const std::string place_ = "origin: [0.1, 0, 0.2], right: [1, 0, 0], up: [0, 0, 1], y: down, window: 2 mm, noise: 10 mm/s";
+    const std::string place_ =
+        "origin: [0.1, 0, 0.2], right: [1, 0, 0], up: [0, 0, 1], y: down, window: 2 mm, noise: 10 mm/s";
     const std::string scale_ = ", pixel: 0.1 mm, pair_interval: 1 ms";
     const test::OwnFolder folder_;
 };
@@ -57,12 +61,17 @@ TEST_F(SheetTest, FieldsAreInTheSheetsAxesAndOutliersAreCounted) {
     const auto point = one.piv.point(last.x, last.y);
     EXPECT_NEAR(point[0], 0.105, 1e-12);
     EXPECT_NEAR(point[2], 0.196, 1e-12);
-    EXPECT_NEAR(observe(experiment("files: [\"f*.txt\"], interval: 20 ms, v: up, " + place_ + scale_)).fields[0].vectors.back().v, 0.2, 1e-9);
+    EXPECT_NEAR(observe(experiment("files: [\"f*.txt\"], interval: 20 ms, v: up, " + place_ + scale_))
+                    .fields[0]
+                    .vectors.back()
+                    .v,
+        0.2, 1e-9);
 }
 
 TEST_F(SheetTest, MasksAndTheMeasuredBallTakeVectorsAway) {
     write_field("f.txt", 1);
-    const auto one = experiment("files: [f.txt], interval: 1 s, mask: [{box: {min: [0.1045, -1, -1], max: [1, 1, 1]}}], " + place_ + scale_);
+    const auto one = experiment(
+        "files: [f.txt], interval: 1 s, mask: [{box: {min: [0.1045, -1, -1], max: [1, 1, 1]}}], " + place_ + scale_);
     const auto sheet = observe(one, [](const Vec3& x, double) { return x[2] < 0.1965; });
     EXPECT_EQ(sheet.counts.masked, 5u);
     EXPECT_EQ(sheet.counts.touching, 5u);
@@ -77,12 +86,18 @@ TEST_F(SheetTest, WhatIsMissingIsSaidWithItsPlaceAndCure) {
     EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_).find("study.yaml:4"), std::string::npos);
     EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_).find("does not say its units"), std::string::npos);
     EXPECT_NE(said("files: [f.txt], " + place_ + scale_).find("interval"), std::string::npos);
-    EXPECT_NE(said("files: [g*.txt], interval: 1 s, " + place_ + scale_).find("g*.txt is not there"), std::string::npos);
-    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_ + scale_, "from: 2 s").find("no field is between"), std::string::npos);
+    EXPECT_NE(
+        said("files: [g*.txt], interval: 1 s, " + place_ + scale_).find("g*.txt is not there"), std::string::npos);
+    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_ + scale_, "from: 2 s").find("no field is between"),
+        std::string::npos);
     for (const char* key : {"right", "up", "y", "window", "noise"}) {
-        EXPECT_NE(said("files: [f.txt], interval: 1 s, origin: [0, 0, 0]" + scale_).find("piv." + std::string(key) + " is missing"), std::string::npos) << key;
+        EXPECT_NE(said("files: [f.txt], interval: 1 s, origin: [0, 0, 0]" + scale_)
+                      .find("piv." + std::string(key) + " is missing"),
+            std::string::npos)
+            << key;
     }
-    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_ + scale_, "masks: film").find("masks"), std::string::npos);
+    EXPECT_NE(
+        said("files: [f.txt], interval: 1 s, " + place_ + scale_, "masks: film").find("masks"), std::string::npos);
 }
 
 TEST_F(SheetTest, TheBallsTrackIsInTheFieldsAxesWithUnits) {
@@ -99,9 +114,11 @@ TEST_F(SheetTest, TheBallsTrackIsInTheFieldsAxesWithUnits) {
         write("bad.csv", text);
         return test::refusal([&] { BallTrack(sheet, folder_.path() / "bad.csv"); });
     };
-    EXPECT_NE(said("time,x [px],y [px],plus_minus [mm]\n0,1,1,1\n").find("bad.csv:1: column time has no unit"), std::string::npos);
+    EXPECT_NE(said("time,x [px],y [px],plus_minus [mm]\n0,1,1,1\n").find("bad.csv:1: column time has no unit"),
+        std::string::npos);
     EXPECT_NE(said("time [s],x [px],y [px]\n0,1,1\n").find("no column plus_minus"), std::string::npos);
-    EXPECT_NE(said("time [s],x [px],y [px],plus_minus [mm]\n0,1,1,1\n0,1,1,1\n").find("times that grow"), std::string::npos);
+    EXPECT_NE(
+        said("time [s],x [px],y [px],plus_minus [mm]\n0,1,1,1\n0,1,1,1\n").find("times that grow"), std::string::npos);
 }
 
 } // namespace

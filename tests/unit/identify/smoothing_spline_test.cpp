@@ -46,7 +46,8 @@ TEST(SmoothingSpline, NoiseOfPickedPlacesDoesNotReachTheVelocities) {
     for (const double t : times) values.push_back(-0.035 * t + 0.004 * std::exp(-t / 0.05) + normal(generator));
     const SmoothingSpline spline(times, values, std::vector<double>(times.size(), 5e-5));
     double squares = 0, left = 0;
-    for (std::size_t i = 5; i + 5 < times.size(); ++i) squares += std::pow(spline.slope(times[i]) + 0.035 + 0.08 * std::exp(-times[i] / 0.05), 2) / 40;
+    for (std::size_t i = 5; i + 5 < times.size(); ++i)
+        squares += std::pow(spline.slope(times[i]) + 0.035 + 0.08 * std::exp(-times[i] / 0.05), 2) / 40;
     for (std::size_t i = 0; i < times.size(); ++i) left += std::pow((values[i] - spline.at(times[i])) / 5e-5, 2);
     EXPECT_LT(std::sqrt(squares), 1.5e-3);
     EXPECT_NEAR(left, 50, 0.1); // Reinsch's choice
@@ -55,7 +56,8 @@ TEST(SmoothingSpline, NoiseOfPickedPlacesDoesNotReachTheVelocities) {
 TEST(SmoothingSpline, RefusesTimesThatDoNotGrow) {
     const std::vector<double> values{1, 2, 3}, none{0, 0, 0};
     EXPECT_THROW(SmoothingSpline(std::vector<double>{0, 1, 1}, values, none), std::invalid_argument);
-    EXPECT_THROW(SmoothingSpline(std::vector<double>{0}, std::vector<double>{1}, std::vector<double>{0}), std::invalid_argument);
+    EXPECT_THROW(
+        SmoothingSpline(std::vector<double>{0}, std::vector<double>{1}, std::vector<double>{0}), std::invalid_argument);
 }
 
 } // namespace

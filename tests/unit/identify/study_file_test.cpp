@@ -53,47 +53,70 @@ TEST_F(StudyFileTest, ClipsOfOneSetUpAreRepeatsAndOneAloneIsSaidToBe) {
     EXPECT_DOUBLE_EQ(once.experiments[0].readout, 0.02);
     ASSERT_EQ(notes(once).size(), 1u);
     EXPECT_NE(notes(once)[0].find("Observed once: one."), std::string::npos);
-    const auto thrice = load("experiments:\n  - {masks: one}\n  - {masks: two, repeats: one}\n  - {masks: three, repeats: one}\n");
+    const auto thrice =
+        load("experiments:\n  - {masks: one}\n  - {masks: two, repeats: one}\n  - {masks: three, repeats: one}\n");
     EXPECT_TRUE(notes(thrice).empty());
-    EXPECT_NE(refusal("experiments:\n  - {masks: one}\n  - {masks: two, repeats: three}\n").find("must repeat an experiment above"), std::string::npos);
-    EXPECT_NE(refusal("experiments:\n  - {masks: one}\n  - {masks: two, repeats: one}\n  - {masks: three, repeats: two}\n").find("repeats another one itself"), std::string::npos);
-    EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}, readout: 20 ms}\n").find("belongs to masks"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {masks: one}\n  - {masks: two, repeats: three}\n")
+                  .find("must repeat an experiment above"),
+        std::string::npos);
+    EXPECT_NE(
+        refusal("experiments:\n  - {masks: one}\n  - {masks: two, repeats: one}\n  - {masks: three, repeats: two}\n")
+            .find("repeats another one itself"),
+        std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}, readout: 20 ms}\n")
+                  .find("belongs to masks"),
+        std::string::npos);
 }
 
 TEST_F(StudyFileTest, WhatDoesNotFitIsRefused) {
     const std::string experiment = "experiments:\n  - {masks: m}\n";
-    EXPECT_NE(refusal("experiments:\n  - {masks: m, scene: other}\n").find("there is no scene other"), std::string::npos);
+    EXPECT_NE(
+        refusal("experiments:\n  - {masks: m, scene: other}\n").find("there is no scene other"), std::string::npos);
     EXPECT_NE(refusal("experiments:\n  - {masks: m}\n  - {masks: n/m/}\n").find("m stands at"), std::string::npos);
     EXPECT_NE(refusal("experiments:\n  - {camera: c}\n").find("masks"), std::string::npos);
     EXPECT_NE(refusal(experiment + "search: {rungs: [4 mm, 8 mm]}\n").find("the coarsest first"), std::string::npos);
     EXPECT_NE(refusal(experiment + "search: {rungs: [8 mm, 0.4 kg]}\n").find("spacings as rungs"), std::string::npos);
-    EXPECT_NE(refusal("parameters:\n  - {key: domain.spacing, range: [1 mm, 2 mm]}\n" + experiment + "search: {rungs: [8 mm, 4 mm]}\n").find("sets it too"),
-              std::string::npos);
+    EXPECT_NE(refusal("parameters:\n  - {key: domain.spacing, range: [1 mm, 2 mm]}\n" + experiment +
+                      "search: {rungs: [8 mm, 4 mm]}\n")
+                  .find("sets it too"),
+        std::string::npos);
 }
 
 TEST_F(StudyFileTest, RunsStopEarlyWhereTheObjectiveOnlyGrows) {
-    const std::string parameter = "parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 9 Pa.s]}\n", masks = "experiments:\n  - {masks: m}\n";
-    const auto stops = [&](const std::string& search) { return load(parameter + masks + "search: " + search + "\n").search.stops_early(); };
+    const std::string parameter = "parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 9 Pa.s]}\n",
+                      masks = "experiments:\n  - {masks: m}\n";
+    const auto stops = [&](const std::string& search) {
+        return load(parameter + masks + "search: " + search + "\n").search.stops_early();
+    };
     EXPECT_FALSE(stops("{method: cma_es}")) << "the best view of a run is known at its end";
     EXPECT_TRUE(stops("{method: cma_es, objective: mismatch}"));
     EXPECT_TRUE(stops("{method: dissertation, objective: mismatch, early_stop: true}"));
     EXPECT_FALSE(stops("{method: cma_es, objective: mismatch, early_stop: false}"));
-    EXPECT_FALSE(stops("{method: gauss_newton, early_stop: true}")) << "studies that are written with all their values are read again";
-    EXPECT_NE(refusal(masks + "search: {method: gauss_newton, objective: mismatch}\n").find("must be displacements"), std::string::npos);
-    EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}}\nsearch: {method: cma_es, objective: mismatch}\n").find("must have objective: displacements"),
-              std::string::npos);
+    EXPECT_FALSE(stops("{method: gauss_newton, early_stop: true}"))
+        << "studies that are written with all their values are read again";
+    EXPECT_NE(refusal(masks + "search: {method: gauss_newton, objective: mismatch}\n").find("must be displacements"),
+        std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {series: {file: front.csv, measurement: front}}\nsearch: {method: cma_es, "
+                      "objective: mismatch}\n")
+                  .find("must have objective: displacements"),
+        std::string::npos);
 }
 
 TEST_F(StudyFileTest, OccupancyBelongsToMasks) {
-    const auto file = load("experiments:\n  - {masks: m, occupancy: {windows: 6, levels: [0.2, 0.8], mirror: x, mirror_at: 1 cm}}\n");
+    const auto file =
+        load("experiments:\n  - {masks: m, occupancy: {windows: 6, levels: [0.2, 0.8], mirror: x, mirror_at: 1 cm}}\n");
     const auto& one = file.experiments.front();
     EXPECT_EQ(one.kind, ExperimentKind::occupancy);
     EXPECT_EQ(one.occupancy.windows, 6);
     EXPECT_EQ(one.occupancy.mirror, MirrorAxis::x);
     EXPECT_EQ(one.occupancy.mirror_at, 0.01);
     EXPECT_EQ(load("experiments:\n  - {masks: m}\n").experiments.front().kind, ExperimentKind::contours);
-    EXPECT_NE(refusal("experiments:\n  - {series: {file: f.csv, measurement: front}, occupancy: {windows: 6}}\n").find("belongs to masks"), std::string::npos);
-    EXPECT_NE(refusal("experiments:\n  - {masks: m, occupancy: {levels: [0.5, 0.2]}}\n").find("each higher than the one before"), std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {series: {file: f.csv, measurement: front}, occupancy: {windows: 6}}\n")
+                  .find("belongs to masks"),
+        std::string::npos);
+    EXPECT_NE(refusal("experiments:\n  - {masks: m, occupancy: {levels: [0.5, 0.2]}}\n")
+                  .find("each higher than the one before"),
+        std::string::npos);
     EXPECT_NE(refusal("experiments:\n  - {masks: m, occupancy: {windows: 1}}\n").find("windows"), std::string::npos);
 }
 
@@ -108,14 +131,18 @@ TEST_F(StudyFileTest, ATemperatureEntersByWhatAKelvinDoes) {
     const auto file = load(experiment + "temperature: {value: 22.5 C, plus_minus: 0.5 C, per_kelvin: -8 %}\n");
     EXPECT_NEAR(file.temperature.deviation(), 0.04, 1e-12);
     EXPECT_EQ(load(experiment).temperature.deviation(), 0);
-    EXPECT_NE(refusal(experiment + "temperature: {value: 22.5 C}\n").find("must be given with plus_minus"), std::string::npos);
-    EXPECT_NE(refusal(experiment + "temperature: {value: 22.5 F, plus_minus: 1 F}\n").find("the unit C or K"), std::string::npos);
-    EXPECT_NE(refusal(experiment + "temperature: {per_kelvin: 5 %}\n").find("no temperature is stated"), std::string::npos);
+    EXPECT_NE(refusal(experiment + "temperature: {value: 22.5 C}\n").find("must be given with plus_minus"),
+        std::string::npos);
+    EXPECT_NE(refusal(experiment + "temperature: {value: 22.5 F, plus_minus: 1 F}\n").find("the unit C or K"),
+        std::string::npos);
+    EXPECT_NE(
+        refusal(experiment + "temperature: {per_kelvin: 5 %}\n").find("no temperature is stated"), std::string::npos);
 }
 
 TEST_F(StudyFileTest, AQuickStudyHasTwoRungsAndVariesNoMeasuredValue) {
-    auto file = load("measured:\n  - {key: liquids.syrup.density, value: 1.4 g/cm3, plus_minus: 0.02 g/cm3, exponent: 1}\n"
-                     "experiments:\n  - {masks: m}\nsearch: {rungs: [8 mm, 6 mm, 4 mm], evaluations: 30}\n");
+    auto file =
+        load("measured:\n  - {key: liquids.syrup.density, value: 1.4 g/cm3, plus_minus: 0.02 g/cm3, exponent: 1}\n"
+             "experiments:\n  - {masks: m}\nsearch: {rungs: [8 mm, 6 mm, 4 mm], evaluations: 30}\n");
     EXPECT_EQ(file.exponents, std::vector<double>{1});
     file.make_quick();
     EXPECT_EQ(file.study.parameters.back().values, (std::vector<std::string>{"8 mm", "4 mm"})); // 6 mm is too near
@@ -126,7 +153,8 @@ TEST_F(StudyFileTest, AQuickStudyHasTwoRungsAndVariesNoMeasuredValue) {
 }
 
 TEST_F(StudyFileTest, IdentifiabilityIsSaidInWords) {
-    const auto file = load("parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 100 Pa.s], scale: log}\nexperiments:\n  - {masks: m}\n");
+    const auto file = load("parameters:\n  - {key: liquids.syrup.viscosity, range: [1 Pa.s, 100 Pa.s], scale: "
+                           "log}\nexperiments:\n  - {masks: m}\n");
     const auto words = [&](double low, double value, double high) {
         Identification found;
         found.values = {value};

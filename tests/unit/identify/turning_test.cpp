@@ -14,10 +14,12 @@ constexpr double frequency = 5.7, frame = 0.01; // [Hz], [s]
 video::Mask thread_at(double time, double swing, double sense = 1) {
     video::Mask out{160, 100, std::vector<std::uint8_t>(16000, video::mask_background)};
     for (int r = 10; r < 90; ++r) {
-        const double middle = 80 + sense * swing * std::sin(2 * std::numbers::pi * frequency * time + 0.3) * std::max(0.0, (r - 40) / 30.0);
+        const double middle = 80 + sense * swing * std::sin(2 * std::numbers::pi * frequency * time + 0.3) *
+                                       std::max(0.0, (r - 40) / 30.0);
         for (int c = 0; c < 160; ++c) {
             const bool heap = r >= 70 && std::abs(c - 80) <= 40;
-            if (heap || (r < 70 && std::abs(c - middle) <= 4.5)) out.pixels[std::size_t(r * 160 + c)] = video::mask_liquid;
+            if (heap || (r < 70 && std::abs(c - middle) <= 4.5))
+                out.pixels[std::size_t(r * 160 + c)] = video::mask_liquid;
         }
     }
     return out;
@@ -43,7 +45,7 @@ TEST(ThreadPlace, IsItsMiddleAboveTheHeap) {
 
 TEST(Turning, HasTheFrequencyOfAThreadThatGoesRound) {
     const auto rate = rate_between(turning(12), 0, 1);
-    EXPECT_NEAR(rate.turns, 5, 1e-9); // 11 passages
+    EXPECT_NEAR(rate.turns, 5, 1e-9);                    // 11 passages
     EXPECT_NEAR(rate.rate, frequency, 0.01 * frequency); // pixels and frames
     EXPECT_LT(turning(12).scatter, 0.03);
     EXPECT_NEAR(rate_between(turning(12), 0.3, 0.5).rate, frequency, 0.03 * frequency);
@@ -65,12 +67,14 @@ TEST(Turning, ScattersAsItsTurnsDo) {
     for (int k = 0; k < 1000; ++k) { // half turns of 0.08 and 0.12 s: turns are alike
         times.push_back(1e-3 * k);
         const double phase = std::fmod(times.back(), 0.2);
-        places.push_back(phase < 0.08 ? std::sin(std::numbers::pi * phase / 0.08) : -std::sin(std::numbers::pi * (phase - 0.08) / 0.12));
+        places.push_back(phase < 0.08 ? std::sin(std::numbers::pi * phase / 0.08)
+                                      : -std::sin(std::numbers::pi * (phase - 0.08) / 0.12));
     }
     const auto found = turning_of(times, places);
     EXPECT_LT(found.scatter, 0.01);
     EXPECT_NEAR(rate_between(found, 0, 1).rate, 5, 0.15);
-    for (std::size_t k = 500; k < 1000; ++k) places[k] = std::sin(2 * std::numbers::pi * 7.5 * (times[k] - 0.5)); // a half faster
+    for (std::size_t k = 500; k < 1000; ++k)
+        places[k] = std::sin(2 * std::numbers::pi * 7.5 * (times[k] - 0.5)); // a half faster
     EXPECT_NEAR(turning_of(times, places).scatter, 0.2, 0.1); // few turns of 0.2 and 0.13 s, and one between them
 }
 

@@ -18,7 +18,8 @@ struct Block {
         std::uniform_real_distribution<double> jitter(-0.2 * spacing, 0.2 * spacing);
         const int n = 10, deep = dimensions == 2 ? 1 : n;
         for (int i = 0; i < n * n * deep; ++i) {
-            const Vec3 x{(0.5 + i % n) * spacing + jitter(generator), (0.5 + i / n % n) * spacing + jitter(generator), dimensions == 2 ? 0 : (0.5 + i / n / n) * spacing + jitter(generator)};
+            const Vec3 x{(0.5 + i % n) * spacing + jitter(generator), (0.5 + i / n % n) * spacing + jitter(generator),
+                dimensions == 2 ? 0 : (0.5 + i / n / n) * spacing + jitter(generator)};
             const Vec3 u = velocity(x);
             positions.insert(positions.end(), x.begin(), x.end());
             velocities.insert(velocities.end(), u.begin(), u.end());

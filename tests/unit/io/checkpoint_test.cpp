@@ -91,8 +91,7 @@ TEST(Checkpoint, EveryBitComesBackOnTheSameRanks) {
     ASSERT_EQ(history.size(), 3u);
     EXPECT_TRUE(std::signbit(history[1]));
     EXPECT_EQ(history[2], std::numeric_limits<double>::denorm_min());
-    EXPECT_EQ(reader.replicated<std::int64_t>("random/counters")[0],
-              std::numeric_limits<std::int64_t>::max());
+    EXPECT_EQ(reader.replicated<std::int64_t>("random/counters")[0], std::numeric_limits<std::int64_t>::max());
     EXPECT_TRUE(reader.replicated<double>("nothing").empty());
     const auto [first, count] = writers_share();
     const auto rows = reader.distributed<double>("liquid/position");
@@ -150,7 +149,7 @@ TEST(Checkpoint, ATruncatedFileIsFoundAtEveryLength) {
     write_sample(path, 0);
     const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
     for (const std::int64_t length :
-         {size - 1, size - 100, size / 2, std::int64_t{1000}, std::int64_t{10}, std::int64_t{0}}) {
+        {size - 1, size - 100, size / 2, std::int64_t{1000}, std::int64_t{10}, std::int64_t{0}}) {
         on_root([&] { std::filesystem::resize_file(path, static_cast<std::uintmax_t>(length)); });
         EXPECT_NE(validate_checkpoint(world(), path), "") << length << " of " << size;
     }
@@ -176,8 +175,7 @@ TEST(Checkpoint, AFlippedByteAnywhereIsFoundOrHarmless) {
         const CheckpointReader reader(world(), broken);
         EXPECT_EQ(reader.attribute<double>("time"), 0.25) << "byte " << at;
         const auto [first, count] = writers_share();
-        EXPECT_EQ(reader.distributed<double>("liquid/position").values, rows_of(first, count))
-            << "byte " << at;
+        EXPECT_EQ(reader.distributed<double>("liquid/position").values, rows_of(first, count)) << "byte " << at;
     }
     EXPECT_LT(harmless, tried);
 }
@@ -229,8 +227,7 @@ TEST(Checkpoint, TheLastOnesAreKeptAndLeftoversCleaned) {
     });
     keep_last_checkpoints(world(), folder, 2);
     world().barrier();
-    EXPECT_EQ(list_checkpoints(folder),
-              (std::vector{checkpoint_path(folder, 100), checkpoint_path(folder, 20)}));
+    EXPECT_EQ(list_checkpoints(folder), (std::vector{checkpoint_path(folder, 100), checkpoint_path(folder, 20)}));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "checkpoint_000000200.h5.tmp"));
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "notes.txt"));
     world().barrier();

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     comm.guard_root([&] {
         for (const std::string name : {"liquid_000000", "liquid_000020", "solid_000030"})
             for (const auto format : {ExportFormat::ply, ExportFormat::vtp, ExportFormat::csv})
-                export_particles(folder / (name + "." + format_name(format)),
-                                 read_frame(folder / (name + ".hdf")), format);
+                export_particles(
+                    folder / (name + "." + format_name(format)), read_frame(folder / (name + ".hdf")), format);
     });
 }

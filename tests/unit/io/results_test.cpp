@@ -78,17 +78,10 @@ TEST(RunFolder, OneWithFilesIsRefusedWithTheCureAndLeftAlone) {
 
 TEST(RunFolder, OverwritingRemovesTheFilesOfARunAndNoOther) {
     const TemporaryFolder folder(world());
-    const std::vector<std::string> of_run = {"steps.csv",
-                                             "effective.yaml",
-                                             "manifest.json",
-                                             "summary.json",
-                                             "frames/liquid_000001.hdf",
-                                             "frames/liquid.hdf.series",
-                                             "STOP",
-                                             "frames/liquid_000002.hdf.tmp",
-                                             "checkpoints/checkpoint_000000007.h5"};
-    const std::vector<std::string> of_user = {
-        "notes.txt",          "my.csv",          "frames/picture.png", "scene.yaml",
+    const std::vector<std::string> of_run = {"steps.csv", "effective.yaml", "manifest.json", "summary.json",
+        "frames/liquid_000001.hdf", "frames/liquid.hdf.series", "STOP", "frames/liquid_000002.hdf.tmp",
+        "checkpoints/checkpoint_000000007.h5"};
+    const std::vector<std::string> of_user = {"notes.txt", "my.csv", "frames/picture.png", "scene.yaml",
         "checkpoints/old.h5", "frames/data.hdf", "liquid_000001.hdf"};
     on_root([&] {
         for (const auto& name : of_run) touch(folder.path() / name);
@@ -107,16 +100,14 @@ TEST(RunFolder, APathThatIsAFileIsRefused) {
         const auto text = error_of([&] { prepare_run_folder(world(), folder.path() / "file", existing); });
         EXPECT_NE(text.find("is a file"), std::string::npos) << text;
     }
-    const auto below =
-        error_of([&] { prepare_run_folder(world(), folder.path() / "file/a", ExistingFiles::refuse); });
+    const auto below = error_of([&] { prepare_run_folder(world(), folder.path() / "file/a", ExistingFiles::refuse); });
     EXPECT_NE(below.find("is a file"), std::string::npos) << below;
 }
 
 TEST(RunFolder, OpeningWantsTheFolderOfARun) {
     const TemporaryFolder folder(world());
     EXPECT_NE(error_of([&] { open_run_folder(world(), folder); }).find("effective.yaml"), std::string::npos);
-    EXPECT_NE(error_of([&] { open_run_folder(world(), folder.path() / "none"); }).find("no such"),
-              std::string::npos);
+    EXPECT_NE(error_of([&] { open_run_folder(world(), folder.path() / "none"); }).find("no such"), std::string::npos);
     on_root([&] { touch(folder.path() / "effective.yaml"); });
     EXPECT_EQ(open_run_folder(world(), folder).steps(), folder.path() / "steps.csv");
 }
@@ -127,7 +118,7 @@ TEST(RunFolder, WhileOneIsWrittenOthersAreRefusedOnEveryRankAndChangeNothing) {
         const auto run = prepare_run_folder(world(), folder, ExistingFiles::refuse);
         on_root([&] { touch(run.effective_scene()); });
         for (const auto& text : {error_of([&] { prepare_run_folder(world(), folder, ExistingFiles::overwrite); }),
-                                 error_of([&] { open_run_folder(world(), folder, Access::write); })}) {
+                 error_of([&] { open_run_folder(world(), folder, Access::write); })}) {
             EXPECT_NE(text.find("a run is writing into this folder"), std::string::npos) << text;
             EXPECT_NE(text.find("process "), std::string::npos) << text;
         }
@@ -178,15 +169,9 @@ TEST(Manifest, NamesWhatTheResultIsMadeWith) {
     write_manifest(world(), folder.path() / "manifest.json", manifest);
     world().barrier();
     const auto text = content(folder.path() / "manifest.json");
-    const std::vector<std::string> parts = {"\"ranks\": " + std::to_string(world().size()),
-                                            "\"PETSc\": \"3.18.5\"",
-                                            "\"HDF5\": \"1.",
-                                            "\"MPI\": ",
-                                            "\"dimensions\": 3",
-                                            "\"hosts\": 1",
-                                            "a \\\"quoted\\\" scene.yaml",
-                                            text_hash("domain: {}\n"),
-                                            "\"version\": \"" + build_info().version + "\""};
+    const std::vector<std::string> parts = {"\"ranks\": " + std::to_string(world().size()), "\"PETSc\": \"3.18.5\"",
+        "\"HDF5\": \"1.", "\"MPI\": ", "\"dimensions\": 3", "\"hosts\": 1", "a \\\"quoted\\\" scene.yaml",
+        text_hash("domain: {}\n"), "\"version\": \"" + build_info().version + "\""};
     for (const auto& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
 }
 
@@ -227,14 +212,11 @@ TEST(Export, IntegersThatPlyCannotHoldAreRefusedAndNoFileIsLeft) {
     const TemporaryFolder folder(world());
     auto frame = sample_frame();
     std::get<std::vector<std::int64_t>>(frame.fields[1].values)[2] = (std::int64_t{1} << 53) + 1;
-    on_root([&] {
-        EXPECT_THROW(export_particles(folder.path() / "a.ply", frame, ExportFormat::ply), InputError);
-    });
+    on_root([&] { EXPECT_THROW(export_particles(folder.path() / "a.ply", frame, ExportFormat::ply), InputError); });
     EXPECT_EQ(files_below(folder), 0u);
 }
 
 TEST(Export, AFolderThatIsMissingIsAnError) {
     const TemporaryFolder folder(world());
-    EXPECT_THROW(export_particles(folder.path() / "none/a.csv", sample_frame(), ExportFormat::csv),
-                 SimulationError);
+    EXPECT_THROW(export_particles(folder.path() / "none/a.csv", sample_frame(), ExportFormat::csv), SimulationError);
 }

@@ -24,12 +24,9 @@ struct Sample {
     }
 
     treacle::io::ParticleBlock block() const {
-        return {positions,
-                {{"velocity", "m/s", 3, std::span(velocities)},
-                 {"density", "kg/m^3", 1, std::span(densities)},
-                 {"id", "1", 1, std::span(ids)},
-                 {"role", "1", 1, std::span(roles)},
-                 {"phase", "1", 1, std::span(phases)}}};
+        return {positions, {{"velocity", "m/s", 3, std::span(velocities)},
+                               {"density", "kg/m^3", 1, std::span(densities)}, {"id", "1", 1, std::span(ids)},
+                               {"role", "1", 1, std::span(roles)}, {"phase", "1", 1, std::span(phases)}}};
     }
 };
 

@@ -5,10 +5,9 @@
 namespace treacle::cell_sort_test {
 namespace {
 
-void expect_sorted(const ParticleStore& store, const CellGrid& grid, const CellList& cells,
-                   std::vector<test::Point> expected) {
-    std::sort(expected.begin(), expected.end(),
-              [&](const auto& a, const auto& b) { return test::before(grid, a, b); });
+void expect_sorted(
+    const ParticleStore& store, const CellGrid& grid, const CellList& cells, std::vector<test::Point> expected) {
+    std::sort(expected.begin(), expected.end(), [&](const auto& a, const auto& b) { return test::before(grid, a, b); });
     const auto rows = test::read(store, 0, store.owned());
     ASSERT_EQ(rows, expected);
     const auto begin = test::on_host(cells.begin);

@@ -29,14 +29,13 @@ std::vector<std::int64_t> listed(const NeighbourList& list, const std::vector<te
     const auto offset = test::on_host(list.offset);
     const auto index = test::on_host(list.index);
     std::vector<std::int64_t> ids;
-    for (auto k = offset(i); k < offset(i + 1); ++k)
-        ids.push_back(among[static_cast<std::size_t>(index(k))].id);
+    for (auto k = offset(i); k < offset(i + 1); ++k) ids.push_back(among[static_cast<std::size_t>(index(k))].id);
     return ids;
 }
 
 // All pairs are tested; the rows of `among` are in the order that is expected of the list.
 void expect_brute_force(const NeighbourList& list, const std::vector<test::Point>& of,
-                        const std::vector<test::Point>& among, double radius, bool same) {
+    const std::vector<test::Point>& among, double radius, bool same) {
     std::int64_t pairs = 0;
     for (std::size_t i = 0; i < of.size(); ++i) {
         std::vector<std::int64_t> expected;
@@ -91,23 +90,16 @@ TEST(NeighbourList, OfOneStoreAmongAnotherWithWindowsOfTheirOwn) {
 TEST(NeighbourList, LeavesOutParticlesAtExactlyTheRadius) {
     const auto grid = test::make_grid(3, {4, 4, 4});
     // 2^-3 apart along x, to the bit; the third is one step nearer.
-    const Sorted sorted(
-        grid, {{1, {0.125, 0.25, 0.25}}, {2, {0.25, 0.25, 0.25}}, {3, {0.25 - 0x1p-40, 0.25, 0.25}}});
+    const Sorted sorted(grid, {{1, {0.125, 0.25, 0.25}}, {2, {0.25, 0.25, 0.25}}, {3, {0.25 - 0x1p-40, 0.25, 0.25}}});
     NeighbourList list;
     list.build(sorted.store, sorted.store, grid, sorted.cells, 0.125);
     const auto rows = sorted.rows();
     for (int i = 0; i < 3; ++i) {
         const auto ids = listed(list, rows, i);
         switch (rows[static_cast<std::size_t>(i)].id) {
-        case 1:
-            EXPECT_EQ(ids, (std::vector<std::int64_t>{3}));
-            break;
-        case 2:
-            EXPECT_EQ(ids, (std::vector<std::int64_t>{3}));
-            break;
-        case 3:
-            EXPECT_EQ(ids, (std::vector<std::int64_t>{1, 2}));
-            break;
+        case 1: EXPECT_EQ(ids, (std::vector<std::int64_t>{3})); break;
+        case 2: EXPECT_EQ(ids, (std::vector<std::int64_t>{3})); break;
+        case 3: EXPECT_EQ(ids, (std::vector<std::int64_t>{1, 2})); break;
         }
     }
 }

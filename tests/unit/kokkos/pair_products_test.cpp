@@ -11,12 +11,13 @@ namespace {
 // Rows [x, s, u, 0] without an order.
 std::vector<float> some_rows(int count) {
     std::vector<float> out;
-    for (int k = 0; k < 8 * count; ++k) out.push_back(k % 8 == 7 ? 0.0f : static_cast<float>(std::sin(1.7 * k * k + 0.3)));
+    for (int k = 0; k < 8 * count; ++k)
+        out.push_back(k % 8 == 7 ? 0.0f : static_cast<float>(std::sin(1.7 * k * k + 0.3)));
     return out;
 }
 
 std::array<double, 16> sum_one_by_one(const std::vector<float>& rows, int i, const std::vector<int>& index,
-                                      const std::vector<float>& weights, int count) {
+    const std::vector<float>& weights, int count) {
     const auto at = [&](int row, int k) { return static_cast<double>(rows[static_cast<std::size_t>(8 * row + k)]); };
     std::array<double, 16> out{};
     for (int k = 0; k < count; ++k) {
@@ -25,7 +26,8 @@ std::array<double, 16> sum_one_by_one(const std::vector<float>& rows, int i, con
         const double left[4] = {at(i, 0) - at(j, 0), at(i, 1) - at(j, 1), at(i, 2) - at(j, 2), -(at(i, 3) + at(j, 3))};
         const double right[4] = {at(i, 4) - at(j, 4), at(i, 5) - at(j, 5), at(i, 6) - at(j, 6), 1};
         for (std::size_t l = 0; l < 4; ++l) {
-            for (std::size_t m = 0; m < 4; ++m) out[4 * l + m] += static_cast<double>(weights[entry]) * left[l] * right[m];
+            for (std::size_t m = 0; m < 4; ++m)
+                out[4 * l + m] += static_cast<double>(weights[entry]) * left[l] * right[m];
         }
     }
     return out;

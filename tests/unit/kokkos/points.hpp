@@ -54,8 +54,7 @@ inline std::vector<Point> random_points(const CellGrid& grid, int n, std::uint64
         point.id = id;
         id += 1 + random.below(1000);
         for (int k = 0; k < 3; ++k) {
-            point.x[static_cast<std::size_t>(k)] =
-                k < grid.dimensions ? random.unit() * grid.count[k] / 8 : 0.0;
+            point.x[static_cast<std::size_t>(k)] = k < grid.dimensions ? random.unit() * grid.count[k] / 8 : 0.0;
         }
     }
     random.shuffle(points);

@@ -146,14 +146,13 @@ TEST_P(CellHaloCase, GatherAndScatterAreAdjoint) {
             if (owned.contains(c.data())) v(k) = random.below(17) - 8;
         });
     });
-    test::edit(y, [&](auto& v) {
-        for_window([&](int k, const auto&, const auto&) { v(k) = random.below(17) - 8; });
-    });
+    test::edit(y, [&](auto& v) { for_window([&](int k, const auto&, const auto&) { v(k) = random.below(17) - 8; }); });
     Kokkos::deep_copy(gathered, x);
     Kokkos::deep_copy(scattered, y);
     halo.gather({gathered});
     halo.scatter({scattered});
-    const auto hx = test::on_host(x), hy = test::on_host(y), hg = test::on_host(gathered), hs = test::on_host(scattered);
+    const auto hx = test::on_host(x), hy = test::on_host(y), hg = test::on_host(gathered),
+               hs = test::on_host(scattered);
     double left = 0, right = 0;
     for_window([&](int k, const auto& c, const auto&) {
         left += hg(k) * hy(k);

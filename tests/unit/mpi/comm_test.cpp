@@ -48,8 +48,7 @@ TEST(Comm, GathersValuesAndListsOfAnyLengthInTheOrderOfRanks) {
     // Rank r gives r entries: the first list is empty.
     const std::vector<double> mine(static_cast<std::size_t>(comm.rank()), double(comm.rank()));
     std::vector<double> expected;
-    for (int r = 0; r < comm.size(); ++r)
-        expected.insert(expected.end(), static_cast<std::size_t>(r), double(r));
+    for (int r = 0; r < comm.size(); ++r) expected.insert(expected.end(), static_cast<std::size_t>(r), double(r));
     EXPECT_EQ(comm.all_gather(std::span<const double>(mine)), expected);
     EXPECT_TRUE(comm.all_gather(std::span<const std::int64_t>()).empty());
 }
@@ -117,11 +116,11 @@ TEST(Guard, OtherExceptionsGetTheirExitCodes) {
     const auto comm = Comm::world();
     const bool last = comm.rank() == comm.size() - 1;
     EXPECT_EQ(guarded(comm,
-                      [&] {
-                          if (last) throw std::bad_alloc();
-                      })
+                  [&] {
+                      if (last) throw std::bad_alloc();
+                  })
                   .code,
-              4);
+        4);
     const auto caught = guarded(comm, [&] {
         if (last) throw std::runtime_error("odd");
     });

@@ -74,12 +74,10 @@ std::vector<double> loads(const Decomposition& decomposition, const Weighted& we
 
 TEST(Decomposition, BoxesAndTreePartitionTheGrid) {
     const auto comm = Comm::world();
-    for (const auto& count :
-         {std::array{7, 5, 3}, std::array{40, 1, 1}, std::array{9, 9, 1}, std::array{2, 3, 2}}) {
+    for (const auto& count : {std::array{7, 5, 3}, std::array{40, 1, 1}, std::array{9, 9, 1}, std::array{2, 3, 2}}) {
         Decomposition decomposition(comm, test::make_grid(count[2] == 1 ? 2 : 3, count));
         expect_partition(decomposition);
-        const auto skewed =
-            share(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
+        const auto skewed = share(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
         decomposition.repartition(skewed.cells, skewed.weights);
         expect_partition(decomposition);
     }
@@ -115,9 +113,8 @@ TEST(Decomposition, WithoutWeightsTheBoxesAreAboutEqual) {
 TEST(Decomposition, BalancesASkewedWeight) {
     const auto comm = Comm::world();
     Decomposition decomposition(comm, test::make_grid(3, {64, 32, 16}));
-    const auto weighted = share(comm, decomposition.grid(), [](int x, int y, int z) {
-        return x + y + 2 * z < 60 ? std::exp(-0.05 * x - 0.03 * y) : 0.0;
-    });
+    const auto weighted = share(comm, decomposition.grid(),
+        [](int x, int y, int z) { return x + y + 2 * z < 60 ? std::exp(-0.05 * x - 0.03 * y) : 0.0; });
     decomposition.repartition(weighted.cells, weighted.weights);
     expect_partition(decomposition);
     const auto load = loads(decomposition, weighted);
@@ -133,14 +130,14 @@ TEST(Decomposition, BalancesASkewedWeight) {
         for (const double w : weighted.weights) s += w;
         return s;
     }()),
-                1e-9 * all);
+        1e-9 * all);
 }
 
 TEST(Decomposition, ALoadInOneCellGoesToOneRank) {
     const auto comm = Comm::world();
     Decomposition decomposition(comm, test::make_grid(3, {8, 8, 8}));
-    const auto weighted = share(comm, decomposition.grid(),
-                                [](int x, int y, int z) { return x == 3 && y == 6 && z == 1 ? 5.0 : 0.0; });
+    const auto weighted =
+        share(comm, decomposition.grid(), [](int x, int y, int z) { return x == 3 && y == 6 && z == 1 ? 5.0 : 0.0; });
     decomposition.repartition(weighted.cells, weighted.weights);
     expect_partition(decomposition);
     const auto load = loads(decomposition, weighted);
@@ -151,8 +148,7 @@ TEST(Decomposition, StateRestoresBoxesAndTree) {
     const auto comm = Comm::world();
     const auto grid = test::make_grid(3, {10, 12, 6});
     Decomposition cut(comm, grid), restored(comm, grid);
-    const auto weighted =
-        share(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
+    const auto weighted = share(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
     cut.repartition(weighted.cells, weighted.weights);
     restored.restore(cut.state());
     EXPECT_EQ(restored.state(), cut.state());

@@ -14,11 +14,9 @@ std::vector<std::vector<Message>> random_graph(int ranks, int most, std::uint64_
         const int n = random.below(most + 1);
         for (int k = 0; k < n; ++k) {
             const int to = random.below(ranks);
-            Message message{
-                to, std::vector<char>(static_cast<std::size_t>(random.below(3) * random.below(9000)))};
+            Message message{to, std::vector<char>(static_cast<std::size_t>(random.below(3) * random.below(9000)))};
             for (std::size_t b = 0; b < message.bytes.size(); ++b) {
-                message.bytes[b] =
-                    static_cast<char>(b * 31 + static_cast<std::size_t>(from * 7 + to * 3 + k));
+                message.bytes[b] = static_cast<char>(b * 31 + static_cast<std::size_t>(from * 7 + to * 3 + k));
             }
             sent[static_cast<std::size_t>(from)].push_back(std::move(message));
         }
@@ -54,9 +52,7 @@ TEST(ExchangeSparse, DeliversEveryMessageOnceByRankAndInOrder) {
     }
 }
 
-TEST(ExchangeSparse, WithoutMessagesNothingArrives) {
-    EXPECT_TRUE(exchange_sparse(Comm::world(), {}).empty());
-}
+TEST(ExchangeSparse, WithoutMessagesNothingArrives) { EXPECT_TRUE(exchange_sparse(Comm::world(), {}).empty()); }
 
 TEST(ExchangeSparse, OneRankMaySendToAll) {
     const auto comm = Comm::world();
@@ -72,8 +68,7 @@ TEST(ExchangeSparse, OneRankMaySendToAll) {
 
 TEST(ExchangeSlices, PairsSlicesOfTwoRanksInOrder) {
     const auto comm = Comm::world();
-    const int next = (comm.rank() + 1) % comm.size(),
-              previous = (comm.rank() + comm.size() - 1) % comm.size();
+    const int next = (comm.rank() + 1) % comm.size(), previous = (comm.rank() + comm.size() - 1) % comm.size();
     // Two slices to the next rank, of two rows and one, and an empty one between them.
     ExchangePlan outgoing{{next, next, next}, {0, 2, 2, 3}}, incoming{{previous, previous, previous}, {0, 2, 2, 3}};
     const Array<double> send("treacle::send", 6), receive("treacle::receive", 6);

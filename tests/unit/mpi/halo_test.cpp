@@ -72,8 +72,8 @@ struct Distributed {
 };
 
 // Particles, as images where axes are periodic, in the cells next to a box.
-std::vector<test::Point> expected_ghosts(const CellGrid& grid, const CellBox& box,
-                                         const std::vector<test::Point>& all) {
+std::vector<test::Point> expected_ghosts(
+    const CellGrid& grid, const CellBox& box, const std::vector<test::Point>& all) {
     std::vector<test::Point> out;
     if (box.empty()) return out;
     CellBox reached = box;
@@ -145,8 +145,8 @@ TEST_P(HaloCase, GhostsAreTheParticlesAndImagesInTheCellsAround) {
     auto ghosts = d.ghosts();
     std::sort(ghosts.begin(), ghosts.end());
     EXPECT_EQ(ghosts, expected_ghosts(grid, d.decomposition.box(), all));
-    EXPECT_EQ(d.decomposition.comm().sum(d.halo.sent_rows()),
-              d.decomposition.comm().sum(std::int64_t(d.store.ghosts())));
+    EXPECT_EQ(
+        d.decomposition.comm().sum(d.halo.sent_rows()), d.decomposition.comm().sum(std::int64_t(d.store.ghosts())));
 }
 
 TEST_P(HaloCase, TheCellListHoldsEveryParticleOfItsWindowById) {
@@ -159,8 +159,7 @@ TEST_P(HaloCase, TheCellListHoldsEveryParticleOfItsWindowById) {
     for (const auto& point : present) {
         std::array<int, 3> c; // without the clamp of periodic axes, for images
         for (int k = 0; k < 3; ++k) {
-            c[std::size_t(k)] =
-                int(std::floor((point.x[std::size_t(k)] - grid.origin[k]) * grid.inverse_width[k]));
+            c[std::size_t(k)] = int(std::floor((point.x[std::size_t(k)] - grid.origin[k]) * grid.inverse_width[k]));
         }
         expected[c].push_back(point.id);
     }
@@ -193,8 +192,7 @@ TEST_P(HaloCase, GatherBringsTheOwnersValuesOfSeveralFieldsAtOnce) {
     const int n = d.store.owned();
     const auto rows = test::read(d.store, 0, d.store.total());
     test::edit(d.store.get<Array3>(d.triple), [&](auto& v) {
-        for (int i = 0; i < 3 * n; ++i)
-            v(i / 3, i % 3) = double(rows[std::size_t(i / 3)].id) + 0.25 * (i % 3);
+        for (int i = 0; i < 3 * n; ++i) v(i / 3, i % 3) = double(rows[std::size_t(i / 3)].id) + 0.25 * (i % 3);
     });
     test::edit(d.store.get<Array<int>>(d.number), [&](auto& v) {
         for (int i = 0; i < n; ++i) v(i) = -int(rows[std::size_t(i)].id);

@@ -44,8 +44,7 @@ struct Sample {
         };
         set(store.get<Array<double>>(number), [](auto& v, auto i, auto id) { v(i) = number_of(id); });
         set(store.get<Array3>(triple), [](auto& v, auto i, auto id) {
-            for (int k = 0; k < 3; ++k)
-                v(i, k) = (k - 1.0) / double(id + 1); // the middle one of odd ids is -0
+            for (int k = 0; k < 3; ++k) v(i, k) = (k - 1.0) / double(id + 1); // the middle one of odd ids is -0
             if (id % 2) v(i, 1) = -0.0;
         });
         set(store.get<Array<std::int64_t>>(wide), [](auto& v, auto i, auto id) { v(i) = wide_of(id); });

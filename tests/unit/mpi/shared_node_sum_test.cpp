@@ -17,7 +17,9 @@ std::vector<std::int64_t> keys_of(int rank) {
     std::reverse(keys.begin(), keys.end()); // in no order that the ranks share
     return keys;
 }
-float part_of(int rank, std::int64_t key, int c) { return static_cast<float>(0.1 * (rank + 1) + 1e-3 * double(key % 101) + c); }
+float part_of(int rank, std::int64_t key, int c) {
+    return static_cast<float>(0.1 * (rank + 1) + 1e-3 * double(key % 101) + c);
+}
 } // namespace
 
 TEST(SharedNodeSum, adds_up_all_copies_and_counts_each_row_once) {

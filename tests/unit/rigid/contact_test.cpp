@@ -95,7 +95,8 @@ TEST(Contact, ABoxThatTurnsOntoAFaceLandsOnAllOfIt) {
         double lowest = 1;
         const auto& solid = setup.bodies[0];
         const auto axes = to_matrix(bodies.pose(0).turn);
-        for (const auto& probe : solid.probes) lowest = std::min(lowest, (bodies.pose(0).centre + axes * (probe.point - solid.centre))[2]);
+        for (const auto& probe : solid.probes)
+            lowest = std::min(lowest, (bodies.pose(0).centre + axes * (probe.point - solid.centre))[2]);
         // Along straight lines, off by half the square of the angle times 0.2 m; 4 mm where only the lower edge counts.
         EXPECT_GT(lowest, -0.5 * turn * turn * 0.2) << on_box;
     }

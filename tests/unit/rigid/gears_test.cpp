@@ -12,7 +12,8 @@ using std::numbers::pi;
 
 // Outline of a gear of ten teeth in the plane of x and z.
 std::vector<Vec3> outline() {
-    constexpr std::pair<double, double> corners[] = {{0.085, -0.56}, {0.12, -0.3}, {0.12, 0}, {0.12, 0.3}, {0.085, 0.56}};
+    constexpr std::pair<double, double> corners[] = {
+        {0.085, -0.56}, {0.12, -0.3}, {0.12, 0}, {0.12, 0.3}, {0.085, 0.56}};
     std::vector<Vec3> out;
     for (int k = 0; k < 10; ++k) {
         for (const auto& [radius, share] : corners) {
@@ -71,7 +72,8 @@ BodiesSetup train(double spacing) {
         shape.translation = axles[b];
         auto body = make_body(shape);
         body.probes.clear();
-        for (const auto& x : scene::sample_surface(body.region.front(), {spacing, 0, {}}).positions) body.probes.push_back({x, 0});
+        for (const auto& x : scene::sample_surface(body.region.front(), {spacing, 0, {}}).positions)
+            body.probes.push_back({x, 0});
         setup.bodies.push_back(body);
         JointSetup axle;
         axle.body = b;

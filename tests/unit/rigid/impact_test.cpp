@@ -33,7 +33,8 @@ TEST(Impact, ABodyComesBackToTheHeightOfItsRestitutionAtAnyStep) {
                 for (std::size_t k = 0; k < 2; ++k) {
                     expected *= restitution * restitution;
                     // A peak is seen to g dt^2 / 8, 1e-4 m with the longest step, and the first kick is a whole one.
-                    EXPECT_NEAR(peaks[k], expected, 1e-3 * expected + 1.5 * gravity * dt * dt) << restitution << ' ' << dt;
+                    EXPECT_NEAR(peaks[k], expected, 1e-3 * expected + 1.5 * gravity * dt * dt)
+                        << restitution << ' ' << dt;
                 }
             }
         }
@@ -80,10 +81,12 @@ TEST(Stack, HeavyBodiesRestOnLightOnes) {
         for (const double ratio : {10.0, 1000.0}) {
             for (const double friction : {0.0, 0.5}) {
                 // The heaviest on top, and between light ones.
-                for (const auto& order : {std::vector<double>{1, ratio}, {1, 1, ratio}, {1, ratio, 1}, {ratio, 1, ratio}}) {
+                for (const auto& order :
+                    {std::vector<double>{1, ratio}, {1, 1, ratio}, {1, ratio, 1}, {ratio, 1, ratio}}) {
                     std::vector<BodySetup> boxes;
                     for (std::size_t k = 0; k < order.size(); ++k) {
-                        boxes.push_back(make_body(tilt.box(-0.1, 0.1, 0.2 * double(k), 0.2 * double(k + 1)), dimensions));
+                        boxes.push_back(
+                            make_body(tilt.box(-0.1, 0.1, 0.2 * double(k), 0.2 * double(k + 1)), dimensions));
                         boxes.back().mass *= order[k];
                         for (auto& row : boxes.back().inertia) row = order[k] * row;
                         boxes.back().friction = friction;
@@ -93,9 +96,11 @@ TEST(Stack, HeavyBodiesRestOnLightOnes) {
                     for (std::size_t b = 0; b < boxes.size(); ++b) {
                         const Vec3 moved = bodies.pose(b).centre - boxes[b].centre;
                         // Overlaps of 0.005 spacings are left alone, one above the other.
-                        EXPECT_LT(length(moved), 0.006 * 0.05 * double(b + 1)) << ratio << " of " << order.size() << " friction " << friction;
+                        EXPECT_LT(length(moved), 0.006 * 0.05 * double(b + 1))
+                            << ratio << " of " << order.size() << " friction " << friction;
                         // Without friction nothing holds them sideways, and faces that overlap that much are not level.
-                        EXPECT_LT(length(bodies.velocity(b)), friction > 0 ? 1e-5 : 1e-3) << ratio << " friction " << friction;
+                        EXPECT_LT(length(bodies.velocity(b)), friction > 0 ? 1e-5 : 1e-3)
+                            << ratio << " friction " << friction;
                     }
                 }
             }
@@ -105,7 +110,8 @@ TEST(Stack, HeavyBodiesRestOnLightOnes) {
 
 TEST(Stack, AHeavyBodyThatFallsOnALightOneDoesNotPressItThroughTheFloor) {
     for (const double ratio : {100.0, 1000.0}) {
-        auto light = make_body(box({-0.1, -0.1, 0}, {0.1, 0.1, 0.2})), heavy = make_body(box({-0.1, -0.1, 0.5}, {0.1, 0.1, 0.7}));
+        auto light = make_body(box({-0.1, -0.1, 0}, {0.1, 0.1, 0.2})),
+             heavy = make_body(box({-0.1, -0.1, 0.5}, {0.1, 0.1, 0.7}));
         heavy.mass *= ratio;
         for (auto& row : heavy.inertia) row = ratio * row;
         RigidBodies bodies(on_floor({light, heavy}));

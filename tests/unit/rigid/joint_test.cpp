@@ -7,8 +7,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double dt = 1e-3; // [s]
 
-JointSetup joint_of(scene::JointKind kind, std::size_t body, int other, const Vec3& point,
-                    const Vec3& axis = {0, 0, 1}) {
+JointSetup joint_of(
+    scene::JointKind kind, std::size_t body, int other, const Vec3& point, const Vec3& axis = {0, 0, 1}) {
     JointSetup joint;
     joint.name = "link";
     joint.kind = kind;
@@ -65,8 +65,7 @@ double period_of(RigidBodies& bodies, std::size_t across, int swings) {
     return 0;
 }
 
-std::array<double, 6> sum(const std::array<double, 6>& a, std::span<const double> load, double factor,
-                          const Vec3& at) {
+std::array<double, 6> sum(const std::array<double, 6>& a, std::span<const double> load, double factor, const Vec3& at) {
     auto out = a;
     const Vec3 force{load[0], load[1], load[2]}, moment = cross(at, force);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -81,7 +80,7 @@ std::array<double, 6> sum(const std::array<double, 6>& a, std::span<const double
 TEST(Joint, APendulumHasThePeriodOfItsInertiaAndItsPointStays) {
     using scene::JointKind;
     for (const auto& [kind, dimensions] :
-         {std::pair(JointKind::hinge, 3), {JointKind::ball, 3}, {JointKind::hinge, 2}}) {
+        {std::pair(JointKind::hinge, 3), {JointKind::ball, 3}, {JointKind::hinge, 2}}) {
         const auto setup = pendulum(kind, 0.05, dimensions);
         RigidBodies bodies(setup);
         const double expected = 2 * pi / pulsation(setup, dimensions == 3 ? 1 : 2);
@@ -133,8 +132,7 @@ TEST(Joint, AHingeTurnsAboutItsAxisAloneAndCarriesTheWeight) {
 }
 
 TEST(Joint, TwoBodiesLinkedByABallFallFreelyWithTheirMomentum) {
-    auto left = make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})),
-         right = make_body(box({0.4, 0, 0}, {0.6, 0.1, 0.1}));
+    auto left = make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})), right = make_body(box({0.4, 0, 0}, {0.6, 0.1, 0.1}));
     left.angular_velocity = {2, -3, 5};
     right.velocity = {0.5, 1, -1};
     auto setup = world({left, right});
@@ -180,8 +178,7 @@ TEST(Joint, AFourBarLinkageThatIsHeldTwiceMovesAndStaysClosed) {
     auto rocker = make_body(box({0.39, -0.21, -0.01}, {0.41, 0.01, 0.01}));
     auto setup = world({crank, coupler, rocker});
     using scene::JointKind;
-    setup.joints = {
-        joint_of(JointKind::hinge, 0, -1, {0, 0, 0}), joint_of(JointKind::hinge, 1, 0, {0.1, 0, 0}),
+    setup.joints = {joint_of(JointKind::hinge, 0, -1, {0, 0, 0}), joint_of(JointKind::hinge, 1, 0, {0.1, 0, 0}),
         joint_of(JointKind::hinge, 2, 1, {0.4, 0, 0}), joint_of(JointKind::hinge, 2, -1, {0.4, -0.2, 0})};
     RigidBodies bodies(setup);
     double gap = 0, turned = 0;
@@ -216,15 +213,13 @@ TEST(Joint, AHingeOnAKinematicBodyIsCarriedAlong) {
 }
 
 TEST(Joint, JointsThatContradictEachOtherEndTheRun) {
-    auto left = make_body(box({-0.2, 0, 0}, {-0.1, 0.1, 0.1})),
-         right = make_body(box({0.1, 0, 0}, {0.2, 0.1, 0.1}));
+    auto left = make_body(box({-0.2, 0, 0}, {-0.1, 0.1, 0.1})), right = make_body(box({0.1, 0, 0}, {0.2, 0.1, 0.1}));
     left.kind = right.kind = scene::BodyKind::kinematic;
     left.velocity = {-1, 0, 0};
     right.velocity = {1, 0, 0};
     auto setup = world({left, make_body(box({-0.1, 0, 0}, {0.1, 0.1, 0.1})), right});
     using scene::JointKind;
-    setup.joints = {joint_of(JointKind::ball, 1, 0, {-0.1, 0, 0}),
-                    joint_of(JointKind::ball, 1, 2, {0.1, 0, 0})};
+    setup.joints = {joint_of(JointKind::ball, 1, 0, {-0.1, 0, 0}), joint_of(JointKind::ball, 1, 2, {0.1, 0, 0})};
     RigidBodies bodies(setup);
     EXPECT_THROW(run(bodies, dt, 10), SimulationError);
 }
@@ -237,8 +232,8 @@ TEST(Joint, AChainThatLiesOnTheFloorRestsAndItsLoadsAreItsWeight) {
     }
     auto setup = on_floor(links);
     using scene::JointKind;
-    setup.joints = {joint_of(JointKind::ball, 0, 1, {0.2, 0.05, 0.05}),
-                    joint_of(JointKind::hinge, 1, 2, {0.4, 0.05, 0.05})};
+    setup.joints = {
+        joint_of(JointKind::ball, 0, 1, {0.2, 0.05, 0.05}), joint_of(JointKind::hinge, 1, 2, {0.4, 0.05, 0.05})};
     RigidBodies bodies(setup);
     run(bodies, dt, 1000);
     double weight = 0, carried = 0;
@@ -289,21 +284,19 @@ TEST(Loads, OfGravityContactsJointsAndLocksAddUpToTheChangeOfMomentum) {
         }
         const auto now = bodies.momentum();
         // Linear momentum, and the angular one about y: those about locked axes are not part of momentum().
-        for (const std::size_t j : {0, 1, 2})
-            ASSERT_NEAR(now[j], expected[j], 1e-10) << j << " in step " << k;
+        for (const std::size_t j : {0, 1, 2}) ASSERT_NEAR(now[j], expected[j], 1e-10) << j << " in step " << k;
         met = std::max(met, std::abs(bodies.contact_loads()[0]));
     }
     EXPECT_GT(met, 1) << "they did meet";
 }
 
 TEST(ConstrainedInverseMass, IsSymmetricPositiveAndAnswersNothingAlongItsConditions) {
-    auto left = make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})),
-         right = make_body(box({0.4, 0, 0}, {0.6, 0.1, 0.3}));
+    auto left = make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})), right = make_body(box({0.4, 0, 0}, {0.6, 0.1, 0.3}));
     left.locked = {false, true, false, false, false, false};
     auto setup = world({left, right});
     using scene::JointKind;
     setup.joints = {joint_of(JointKind::ball, 0, 1, {0.4, 0.05, 0.05}),
-                    joint_of(JointKind::hinge, 1, -1, {0.6, 0.05, 0.05}, {0, 0.6, 0.8})};
+        joint_of(JointKind::hinge, 1, -1, {0.6, 0.05, 0.05}, {0, 0.6, 0.8})};
     const RigidBodies bodies(setup);
     const auto mobility = bodies.mobility();
     std::vector<std::vector<double>> columns;
@@ -319,8 +312,7 @@ TEST(ConstrainedInverseMass, IsSymmetricPositiveAndAnswersNothingAlongItsConditi
         EXPECT_GE(columns[i][i], -1e-14 * most);
         for (std::size_t j = 0; j < 12; ++j) {
             EXPECT_NEAR(columns[i][j], columns[j][i], 1e-13 * most);
-            EXPECT_LE(std::abs(columns[i][j]),
-                      std::sqrt(std::max(0.0, columns[i][i] * columns[j][j])) + 1e-13 * most);
+            EXPECT_LE(std::abs(columns[i][j]), std::sqrt(std::max(0.0, columns[i][i] * columns[j][j])) + 1e-13 * most);
         }
     }
     // Their response leaves the ball and the hinge closed.
@@ -337,11 +329,9 @@ TEST(ConstrainedInverseMass, IsSymmetricPositiveAndAnswersNothingAlongItsConditi
 }
 
 TEST(ConstrainedInverseMass, KnowsABodyThatCannotMove) {
-    auto setup =
-        world({make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})), make_body(box({1, 0, 0}, {1.4, 0.1, 0.1}))});
+    auto setup = world({make_body(box({0, 0, 0}, {0.4, 0.1, 0.1})), make_body(box({1, 0, 0}, {1.4, 0.1, 0.1}))});
     using scene::JointKind;
-    setup.joints = {joint_of(JointKind::ball, 0, -1, {0, 0, 0}),
-                    joint_of(JointKind::ball, 0, -1, {0.4, 0, 0})};
+    setup.joints = {joint_of(JointKind::ball, 0, -1, {0, 0, 0}), joint_of(JointKind::ball, 0, -1, {0.4, 0, 0})};
     EXPECT_TRUE(RigidBodies(setup).mobility().can_move(0)) << "about the line through both";
     setup.joints.push_back(joint_of(JointKind::ball, 0, -1, {0, 0.1, 0}));
     EXPECT_FALSE(RigidBodies(setup).mobility().can_move(0));

@@ -12,7 +12,7 @@ constexpr double exact = 1e-12; // of sums of some thousand terms, relative
 Vec3 box_inertia(const Vec3& edge) {
     const double v = edge[0] * edge[1] * edge[2] / 12;
     return {v * (edge[1] * edge[1] + edge[2] * edge[2]), v * (edge[0] * edge[0] + edge[2] * edge[2]),
-            v * (edge[0] * edge[0] + edge[1] * edge[1])};
+        v * (edge[0] * edge[0] + edge[1] * edge[1])};
 }
 
 } // namespace

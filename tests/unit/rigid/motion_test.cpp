@@ -65,7 +65,8 @@ TEST(FreeBody, FliesExactlyWhenKicksGoFromTheMiddleOfAStepToThatOfTheNext) {
     }
     const double t = bodies.time();
     EXPECT_NEAR(bodies.pose(0).centre[0], 0.1 + t, 1e-12);
-    EXPECT_NEAR(bodies.pose(0).centre[2], 0.25 + 2 * t - 0.5 * gravity * t * t, 1.1 * gravity * 1e-6) << "a mean of unlike steps";
+    EXPECT_NEAR(bodies.pose(0).centre[2], 0.25 + 2 * t - 0.5 * gravity * t * t, 1.1 * gravity * 1e-6)
+        << "a mean of unlike steps";
 }
 
 TEST(FreeBody, TumblesAtSecondOrderInTheStep) {
@@ -127,8 +128,8 @@ TEST(KinematicBody, FollowsItsKeyframesAndRestsAfterTheLast) {
 }
 
 TEST(KinematicBody, TakesTheShorterWayBetweenOtherAxes) {
-    const std::vector<scene::Keyframe> frames{keyframe(1, {0, 0, 0}, {1, 0, 0}, pi / 2),
-                                              keyframe(2, {0, 0, 0}, {0, 1, 0}, pi / 2)};
+    const std::vector<scene::Keyframe> frames{
+        keyframe(1, {0, 0, 0}, {1, 0, 0}, pi / 2), keyframe(2, {0, 0, 0}, {0, 1, 0}, pi / 2)};
     const auto first = interpolate(frames, 0.5), end = interpolate(frames, 2);
     EXPECT_NEAR(rotation_vector(first.turn)[0], pi / 4, 1e-12);
     EXPECT_NEAR(rotation_vector(end.turn)[1], pi / 2, 1e-12);

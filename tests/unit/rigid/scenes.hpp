@@ -50,8 +50,10 @@ inline BodySetup make_static(const scene::Shape& shape, int dimensions) {
     out.region = {region};
     const double far = 2;
     scene::SurfaceSampling sampling{0.05, 0, {}};
-    if (!region.closed()) sampling.clip = {{-far, -far, -far}, {far, far, far}};
-    else out.centre = region.moments().centre;
+    if (!region.closed())
+        sampling.clip = {{-far, -far, -far}, {far, far, far}};
+    else
+        out.centre = region.moments().centre;
     for (const auto& x : scene::sample_surface(region, sampling).positions) out.probes.push_back({x, 0});
     for (const auto& probe : out.probes) out.reach = std::max(out.reach, length(probe.point - out.centre));
     return out;

@@ -14,8 +14,12 @@ BodiesSetup on(const Floor& floor, const BodySetup& body, const Tilt& tilt, doub
     setup.gravity[tilt.up()] = -gravity;
     return setup;
 }
-double speed_of(const RigidBodies& bodies, const Tilt& tilt) { return dot(bodies.velocity(bodies.size() - 1), tilt.along()); }
-double height_of(const RigidBodies& bodies, const Tilt& tilt) { return dot(bodies.pose(bodies.size() - 1).centre, tilt.upwards()); }
+double speed_of(const RigidBodies& bodies, const Tilt& tilt) {
+    return dot(bodies.velocity(bodies.size() - 1), tilt.along());
+}
+double height_of(const RigidBodies& bodies, const Tilt& tilt) {
+    return dot(bodies.pose(bodies.size() - 1).centre, tilt.upwards());
+}
 
 } // namespace
 
@@ -42,7 +46,8 @@ TEST(Sliding, ABoxOnASlopeHasTheAccelerationOfItsFriction) {
                 auto brick = make_body(tilt.box(-0.9, -0.7, 0, 0.1), dimensions);
                 RigidBodies bodies(on(floor, brick, tilt, friction));
                 run(bodies, dt, 120);
-                const double expected = std::max(0.0, gravity * (std::sin(tilt.angle) - friction * std::cos(tilt.angle)));
+                const double expected =
+                    std::max(0.0, gravity * (std::sin(tilt.angle) - friction * std::cos(tilt.angle)));
                 EXPECT_NEAR(speed_of(bodies, tilt) / bodies.time(), expected, 0.01 * expected + 1e-9)
                     << floor.name << ' ' << dimensions << " friction " << friction;
             }
@@ -68,16 +73,17 @@ TEST(Sliding, BallsCylindersAndDiscsRollDownASlope) {
         double share; // of g sin, without sliding
     };
     const std::vector<Case> cases{{"ball", space, roller(scene::ShapeKind::sphere, space, 0), 5.0 / 7},
-                                  {"cylinder", space, roller(scene::ShapeKind::cylinder, space, 0.2), 2.0 / 3},
-                                  {"thin disc", space, roller(scene::ShapeKind::cylinder, space, 0.02), 2.0 / 3},
-                                  {"disc in the plane", plane, roller(scene::ShapeKind::sphere, plane, 0), 2.0 / 3}};
+        {"cylinder", space, roller(scene::ShapeKind::cylinder, space, 0.2), 2.0 / 3},
+        {"thin disc", space, roller(scene::ShapeKind::cylinder, space, 0.02), 2.0 / 3},
+        {"disc in the plane", plane, roller(scene::ShapeKind::sphere, plane, 0), 2.0 / 3}};
     for (const auto& one : cases) {
         for (const auto& floor : floors(one.tilt)) {
             auto body = make_body(one.shape, one.tilt.dimensions);
             RigidBodies bodies(on(floor, body, one.tilt, 0.5));
             run(bodies, dt, 150);
             const double expected = one.share * gravity * std::sin(one.tilt.angle);
-            EXPECT_NEAR(speed_of(bodies, one.tilt) / bodies.time(), expected, 0.01 * expected) << one.name << " on " << floor.name;
+            EXPECT_NEAR(speed_of(bodies, one.tilt) / bodies.time(), expected, 0.01 * expected)
+                << one.name << " on " << floor.name;
             EXPECT_NEAR(height_of(bodies, one.tilt), 0.1, 0.02 * 0.05) << one.name << " on " << floor.name;
         }
     }
@@ -89,7 +95,8 @@ TEST(Sliding, ABoxStopsAtAWallThatStandsOnTheFloorAndAtAStep) {
         // The floor goes on below the wall; the wall begins where the floor ends; a step of 5 mm.
         const std::vector<std::array<double, 3>> walls{{1.0, 0.0, 0.5}, {0.5, -0.2, 0.5}, {0.5, -0.2, 0.005}};
         for (const auto& [end, low, high] : walls) {
-            Floor floor{"", {make_static(tilt.box(-1, end, -0.2, 0), dimensions), make_static(tilt.box(0.5, 1, low, high), dimensions)}};
+            Floor floor{"", {make_static(tilt.box(-1, end, -0.2, 0), dimensions),
+                                make_static(tilt.box(0.5, 1, low, high), dimensions)}};
             auto brick = make_body(tilt.box(0, 0.2, 0, 0.1), dimensions);
             brick.velocity = {1, 0, 0};
             RigidBodies bodies(on(floor, brick, tilt, 0));

@@ -13,9 +13,7 @@ namespace {
 // A wide phone lens: barrel distortion of 60 pixels in the corners.
 Lens wide_lens() { return {1280, 720, 900, 905, 645, 352, {-0.18, 0.05, 0.001, -0.0008, -0.006, 0, 0, 0}}; }
 
-Lens rational_lens() {
-    return {1920, 1080, 1400, 1400, 950, 545, {0.5, -0.1, 0.0005, 0.0003, 0.02, 0.7, -0.05, 0.03}};
-}
+Lens rational_lens() { return {1920, 1080, 1400, 1400, 950, 545, {0.5, -0.1, 0.0005, 0.0003, 0.02, 0.7, -0.05, 0.03}}; }
 
 CameraPose some_pose() { return {rotation_matrix({0.4, -0.8, 1.1}), {0.02, -0.03, 0.6}}; }
 

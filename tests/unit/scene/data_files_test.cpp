@@ -96,7 +96,7 @@ TEST_F(DataFiles, AllMissingMeshesWithoutAFallbackAreErrorsWithTheFoldersSearche
         ASSERT_EQ(error.diagnostics().size(), 2u);
         EXPECT_EQ(error.diagnostics()[1].where, "scene.yaml:7");
         EXPECT_EQ(error.diagnostics()[1].reason,
-                  "looked in " + (root_ / "scene").string() + ", " + (root_ / "data").string());
+            "looked in " + (root_ / "scene").string() + ", " + (root_ / "data").string());
     }
 }
 

@@ -93,7 +93,8 @@ TEST(JoinedShapes, OutsideAnIntersectionTheNearestPointMayBeOnAnEdge) {
 }
 
 TEST(JoinedShapes, AHollowBallHasItsInertia) {
-    const SolidRegion region(joined(ShapeKind::subtract, {round(ShapeKind::sphere, {3, 0, 0}, 1), round(ShapeKind::sphere, {3, 0, 0}, 0.8)}));
+    const SolidRegion region(joined(
+        ShapeKind::subtract, {round(ShapeKind::sphere, {3, 0, 0}, 1), round(ShapeKind::sphere, {3, 0, 0}, 0.8)}));
     EXPECT_NEAR(region.moments().centre[0], 3, 1e-6);
     expect_moments(region, 4 * pi / 3 * (1 - std::pow(0.8, 3)), 8 * pi / 15 * (1 - std::pow(0.8, 5)));
     EXPECT_LT(region.distance({3.9, 0, 0}), 0);
@@ -104,8 +105,9 @@ TEST(JoinedShapes, PartsKeepTheirOwnPlaceInsideAShapeThatIsPlaced) {
     Shape bar = box({0, 0, 0}, {2, 0.2, 0.2});
     bar.rotation_angle = pi / 2; // about its own centre
     bar.rotation_axis = {0, 0, 1};
-    Shape s = joined(ShapeKind::unite, {joined(ShapeKind::subtract, {bar, round(ShapeKind::sphere, {1, 1.1, 0.1}, 0.05)}),
-                                        round(ShapeKind::sphere, {4, 0, 0}, 0.5)});
+    Shape s =
+        joined(ShapeKind::unite, {joined(ShapeKind::subtract, {bar, round(ShapeKind::sphere, {1, 1.1, 0.1}, 0.05)}),
+                                     round(ShapeKind::sphere, {4, 0, 0}, 0.5)});
     s.rotation_angle = pi / 2; // about the origin
     s.rotation_axis = {0, 0, 1};
     s.translation = {0, 0, 1};
@@ -120,13 +122,15 @@ TEST(JoinedShapes, PartsKeepTheirOwnPlaceInsideAShapeThatIsPlaced) {
 TEST(JoinedShapes, InThePlaneCutsAreJoined) {
     // Two ends of a ring that a box opens, and a part that does not meet the plane.
     const Shape far = round(ShapeKind::sphere, {0, 0, 5}, 1);
-    const Shape ring = joined(ShapeKind::subtract, {cylinder(0.5, 2), cylinder(0.3, 2), box({0, -0.1, -1}, {1, 0.1, 1}), far});
+    const Shape ring =
+        joined(ShapeKind::subtract, {cylinder(0.5, 2), cylinder(0.3, 2), box({0, -0.1, -1}, {1, 0.1, 1}), far});
     const SolidRegion region(ring, 2);
     EXPECT_GT(region.distance({0.4, 0, 0}), 0);
     EXPECT_NEAR(region.distance({-0.4, 0, 0}), -0.1, 1e-9);
     EXPECT_NEAR(region.distance({0.4, 0, 0}), 0.1, 1e-9);
     EXPECT_NEAR(region.distance({0, 0, 0}), std::hypot(std::sqrt(0.09 - 0.01), 0.1), 1e-9);
-    const double strip = 2 * (0.1 / 2 * std::sqrt(0.25 - 0.01) + 0.125 * std::asin(0.2) - 0.1 / 2 * std::sqrt(0.09 - 0.01) - 0.045 * std::asin(1.0 / 3));
+    const double strip = 2 * (0.1 / 2 * std::sqrt(0.25 - 0.01) + 0.125 * std::asin(0.2) -
+                                 0.1 / 2 * std::sqrt(0.09 - 0.01) - 0.045 * std::asin(1.0 / 3));
     EXPECT_NEAR(region.volume() / (pi * 0.16 - strip), 1, 5e-4);
 }
 
@@ -148,7 +152,8 @@ TEST(JoinedShapes, LayersCoverTheSurfaceAndNothingElse) {
         double farthest = 0, closest = 1;
         for (std::size_t i = 0; i < samples.positions.size(); ++i) {
             EXPECT_NEAR(from_pipe(samples.positions[i]), -inset, 3e-2 * d); // inside the bore none
-            for (std::size_t j = 0; j < i; ++j) closest = std::min(closest, gap(samples.positions[i], samples.positions[j]));
+            for (std::size_t j = 0; j < i; ++j)
+                closest = std::min(closest, gap(samples.positions[i], samples.positions[j]));
         }
         RandomPoints random({-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6});
         for (int i = 0; i < 3000; ++i) {
@@ -169,7 +174,8 @@ TEST(JoinedShapes, ClipKeepsWhatIsInTheBox) {
     const SolidRegion region(clipped(round(ShapeKind::sphere, {0, 0, 0}, 0.5), domain));
     EXPECT_NEAR(region.volume() / (pi / 6 * 0.125), 1, 5e-4);
     EXPECT_GE(region.bounds().min[0], 0);
-    EXPECT_NE(refusal(clipped(round(ShapeKind::sphere, {-3, 0, 0}, 0.5), domain)).find("sphere.clip leaves nothing"), std::string::npos);
+    EXPECT_NE(refusal(clipped(round(ShapeKind::sphere, {-3, 0, 0}, 0.5), domain)).find("sphere.clip leaves nothing"),
+        std::string::npos);
 }
 
 TEST(JoinedShapes, WithoutAnEndAreBoundedByTheClip) {
@@ -193,7 +199,15 @@ TEST(JoinedShapes, WithoutAnEndAreBoundedByTheClip) {
 }
 
 TEST(JoinedShapes, ThatAreEmptyAreRefusedWithTheReason) {
-    EXPECT_NE(refusal(joined(ShapeKind::subtract, {cylinder(0.3, 1), cylinder(0.5, 2)})).find("scene.yaml:7: difference is empty"), std::string::npos);
-    EXPECT_NE(refusal(joined(ShapeKind::intersect, {cylinder(0.3, 1), box({2, 0, 0}, {3, 1, 1})})).find("have nothing in common"), std::string::npos);
-    EXPECT_NE(refusal(joined(ShapeKind::unite, {round(ShapeKind::sphere, {9, 0, 5}, 1), round(ShapeKind::sphere, {0, 0, 5}, 1)}), 2).find("z = 0"), std::string::npos);
+    EXPECT_NE(refusal(joined(ShapeKind::subtract, {cylinder(0.3, 1), cylinder(0.5, 2)}))
+                  .find("scene.yaml:7: difference is empty"),
+        std::string::npos);
+    EXPECT_NE(refusal(joined(ShapeKind::intersect, {cylinder(0.3, 1), box({2, 0, 0}, {3, 1, 1})}))
+                  .find("have nothing in common"),
+        std::string::npos);
+    EXPECT_NE(refusal(joined(ShapeKind::unite,
+                          {round(ShapeKind::sphere, {9, 0, 5}, 1), round(ShapeKind::sphere, {0, 0, 5}, 1)}),
+                  2)
+                  .find("z = 0"),
+        std::string::npos);
 }

@@ -73,7 +73,8 @@ TEST(MeshParts, CavitiesStayCavitiesBesideOverlaps) {
     add(mesh, cube_mesh(), 0.5, {0.1, 0.1, 0.1});
     turn(mesh, cavity);
     const MeshFile hollow("hollow.obj", mesh);
-    EXPECT_NEAR(SolidRegion(mesh_shape(hollow.path())).volume(), 1 - 0.125, 1e-6); // no overlap: exact for the coordinates, which are of single precision
+    EXPECT_NEAR(SolidRegion(mesh_shape(hollow.path())).volume(), 1 - 0.125,
+        1e-6); // no overlap: exact for the coordinates, which are of single precision
     add(mesh, cube_mesh(), 1, {0.8, 0, 0});
     const MeshFile file("more.obj", mesh);
     const SolidRegion region(mesh_shape(file.path()));

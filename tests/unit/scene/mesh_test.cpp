@@ -14,8 +14,7 @@ static TriangleMesh unshared(const TriangleMesh& mesh, double jitter) {
     int k = 0;
     for (const auto& t : mesh.triangles) {
         const int first = int(result.vertices.size());
-        for (const int v : t)
-            result.vertices.push_back(plus(mesh.vertices[v], jitter * (k++ % 3 - 1), {1, 1, 1}));
+        for (const int v : t) result.vertices.push_back(plus(mesh.vertices[v], jitter * (k++ % 3 - 1), {1, 1, 1}));
         result.triangles.push_back({first, first + 1, first + 2});
     }
     return result;
@@ -142,7 +141,7 @@ TEST_P(Models, AreClosedAndLoadedWithinTwoSeconds) {
     std::string notes;
     for (const auto& note : report.notes()) notes += note + "; ";
     std::printf("%s: %zu triangles, volume %g, thickness_p01 %g, %.2f s; %s\n", GetParam(), report.triangles,
-                report.volume, report.thickness_p01, taken, notes.c_str());
+        report.volume, report.thickness_p01, taken, notes.c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(Mesh, Models, ::testing::Values("bunny.ply", "dragon_50k.obj"));

@@ -27,10 +27,9 @@ inline std::vector<std::string> problems(const std::string& text) {
 }
 
 // A complete scene of three lines: what is added to it starts at line 4.
-inline const std::string start =
-    "schema_version: 1\n"
-    "domain: {min: [0, 0, 0], max: [1, 1, 1], spacing: 10 mm}\n"
-    "liquids: [{material: water, shapes: [{box: {min: [0, 0, 0], max: [0.5, 1, 1]}}]}]\n";
+inline const std::string start = "schema_version: 1\n"
+                                 "domain: {min: [0, 0, 0], max: [1, 1, 1], spacing: 10 mm}\n"
+                                 "liquids: [{material: water, shapes: [{box: {min: [0, 0, 0], max: [0.5, 1, 1]}}]}]\n";
 
 // Whether exactly one problem is found, and it starts with `expected`.
 inline testing::AssertionResult is_problem(const std::string& text, const std::string& expected) {
@@ -42,8 +41,7 @@ inline testing::AssertionResult is_problem(const std::string& text, const std::s
 }
 
 inline std::string domain(const std::string& keys) {
-    return "schema_version: 1\ndomain:\n" + keys +
-           "liquids: [{shapes: [{sphere: {centre: [0, 0, 0], radius: 1}}]}]\n";
+    return "schema_version: 1\ndomain:\n" + keys + "liquids: [{shapes: [{sphere: {centre: [0, 0, 0], radius: 1}}]}]\n";
 }
 inline std::string liquid(const std::string& keys) {
     return "schema_version: 1\ndomain: {max: [1, 1, 1], spacing: 10 mm}\nliquids:\n  - name: honey\n" + keys;
@@ -70,7 +68,8 @@ inline const std::string everything =
     "      - box: {min: [0, 0, 0], max: [2, 1, 1], rotation_angle: 17 deg}\n"
     "      - mesh: {file: \"a \\\"b\\\".ply\", fallback: {torus: {centre: [0, 0, 0], radius: 1, tube_radius: "
     "0.3}}}\n"
-    "    viscosity_profile: {axis: z, interpolation: logarithmic, points: [{at: 0, viscosity: 1}, {at: 5 cm, viscosity: 10}]}\n"
+    "    viscosity_profile: {axis: z, interpolation: logarithmic, points: [{at: 0, viscosity: 1}, {at: 5 cm, "
+    "viscosity: 10}]}\n"
     "    viscosity_regions: [{shape: {sphere: {centre: [0, 0, 0], radius: 1}}, viscosity: 3}]\n"
     "  - {name: paint, viscosity: 3, rheology: {law: carreau, exponent: 0.4, relaxation_time: 2 ms}, shapes: [{sphere: "
     "{centre: [3, 0, 0], radius: 1}}]}\n"

@@ -47,16 +47,13 @@ inline Shape mesh_shape(const std::string& file) {
     return s;
 }
 
-inline Vec3 plus(const Vec3& a, double s, const Vec3& b) {
-    return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
-}
+inline Vec3 plus(const Vec3& a, double s, const Vec3& b) { return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]}; }
 inline double gap(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 inline TriangleMesh cube_mesh() {
     TriangleMesh m;
     for (int i = 0; i < 8; ++i) m.vertices.push_back({double(i & 1), double(i >> 1 & 1), double(i >> 2)});
-    const int quads[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                             {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    const int quads[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     for (const auto& q : quads) {
         m.triangles.push_back({q[0], q[1], q[2]});
         m.triangles.push_back({q[0], q[2], q[3]});
@@ -92,13 +89,11 @@ inline TriangleMesh sphere_mesh(int levels) {
 // Writes a mesh to a file that is removed again.
 class MeshFile {
 public:
-    MeshFile(const std::string& name, const TriangleMesh& mesh)
-        : path_(folder_.path() / name) {
+    MeshFile(const std::string& name, const TriangleMesh& mesh) : path_(folder_.path() / name) {
         std::ofstream out(path_);
         out.precision(17);
         for (const Vec3& v : mesh.vertices) out << "v " << v[0] << " " << v[1] << " " << v[2] << "\n";
-        for (const auto& t : mesh.triangles)
-            out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
+        for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
     }
     std::string path() const { return path_.string(); }
 

@@ -30,17 +30,13 @@ Shape along(Shape s, const Vec3& axis) {
 std::vector<Shape> solids() {
     const Vec3 c{0.1, -0.2, 0.3}, askew{1, 2, -1};
     return {box({-0.5, -0.4, -0.3}, {0.6, 0.5, 0.4}),
-            turned(box({-0.5, -0.4, -0.3}, {0.6, 0.5, 0.4}), 0.7, askew, {0.1, 0, 0}),
-            round(ShapeKind::sphere, c, 0.6),
-            along(round(ShapeKind::cylinder, c, 0.4, 0.9), askew),
-            along(round(ShapeKind::capsule, c, 0.3, 0.8), askew),
-            turned(along(round(ShapeKind::cone, c, 0.5, 0.9), askew), 1.1, {0, 1, 0}, {0, 0.2, 0}),
-            along(round(ShapeKind::torus, c, 0.5, 0, 0.2), askew)};
+        turned(box({-0.5, -0.4, -0.3}, {0.6, 0.5, 0.4}), 0.7, askew, {0.1, 0, 0}), round(ShapeKind::sphere, c, 0.6),
+        along(round(ShapeKind::cylinder, c, 0.4, 0.9), askew), along(round(ShapeKind::capsule, c, 0.3, 0.8), askew),
+        turned(along(round(ShapeKind::cone, c, 0.5, 0.9), askew), 1.1, {0, 1, 0}, {0, 0.2, 0}),
+        along(round(ShapeKind::torus, c, 0.5, 0, 0.2), askew)};
 }
 
-double at(const Shape& s, const Vec3& x, int dimensions = 3) {
-    return SolidRegion(s, dimensions).distance(x);
-}
+double at(const Shape& s, const Vec3& x, int dimensions = 3) { return SolidRegion(s, dimensions).distance(x); }
 
 } // namespace
 
@@ -73,8 +69,7 @@ TEST(SignedDistance, HasAUnitGradientEqualToTheNormal) {
             const Vec3 x = random(), n = region.normal(x);
             EXPECT_NEAR(gap(n, {0, 0, 0}), 1, 1e-12);
             const double step = 1e-5;
-            const double slope =
-                (region.distance(plus(x, step, n)) - region.distance(plus(x, -step, n))) / (2 * step);
+            const double slope = (region.distance(plus(x, step, n)) - region.distance(plus(x, -step, n))) / (2 * step);
             // Second order in the step; only on the medial axis, of no volume, is there a kink.
             kinks += std::abs(slope - 1) > 1e-6;
         }
@@ -104,8 +99,7 @@ TEST(SignedDistance, VolumeAndBoundsAgreeWithCounting) {
         for (int i = 0; i < n * n * n; ++i) {
             Vec3 x;
             const int index[3] = {i % n, i / n % n, i / n / n};
-            for (int a = 0; a < 3; ++a)
-                x[a] = b.min[a] - 0.1 + (b.max[a] - b.min[a] + 0.2) * (index[a] + 0.5) / n;
+            for (int a = 0; a < 3; ++a) x[a] = b.min[a] - 0.1 + (b.max[a] - b.min[a] + 0.2) * (index[a] + 0.5) / n;
             if (region.distance(x) > 0) continue;
             ++inside;
             for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
@@ -119,8 +113,7 @@ TEST(SignedDistance, VolumeAndBoundsAgreeWithCounting) {
             EXPECT_LT(low[a] - b.min[a], 3 * step); // tight: the apex of the cone is narrow
             EXPECT_LT(b.max[a] - high[a], 3 * step);
         }
-        EXPECT_NEAR(inside * cell / region.volume(), 1, 0.02)
-            << int(shape.kind); // surface cells at 60 per edge
+        EXPECT_NEAR(inside * cell / region.volume(), 1, 0.02) << int(shape.kind); // surface cells at 60 per edge
     }
 }
 
@@ -200,8 +193,7 @@ TEST(PlaneScene, RegionsAreTheCutAtZeroHeight) {
     EXPECT_NEAR(at(ring, {0, 0, 0}, 2), 2, 1e-14);
     EXPECT_NEAR(SolidRegion(ring, 2).volume(), pi * (16 - 4), 1e-12);
     EXPECT_NEAR(
-        at(turned(box({-1, -1, 0}, {1, 1, 0}), pi / 4, {0, 0, 1}, {0, 0, 0}), {std::sqrt(2), 0, 0}, 2), 0,
-        1e-14);
+        at(turned(box({-1, -1, 0}, {1, 1, 0}), pi / 4, {0, 0, 1}, {0, 0, 0}), {std::sqrt(2), 0, 0}, 2), 0, 1e-14);
 }
 
 TEST(PlaneScene, ObliqueCutsAreExactToTheirGrid) {
@@ -240,12 +232,9 @@ TEST(Refusals, NameTheParameterAndThePlace) {
     EXPECT_NE(refusal(box({0, 0, 0}, {1, 0, 1})).find("along y"), std::string::npos);
     EXPECT_NE(refusal(box({0, 0, 0}, {1, 0, 1})).find("scene.yaml:7"), std::string::npos);
     EXPECT_NE(refusal(round(ShapeKind::sphere, {0, 0, 0}, -1)).find("sphere.radius = -1"), std::string::npos);
-    EXPECT_NE(refusal(round(ShapeKind::cylinder, {0, 0, 0}, 1, 0)).find("cylinder.height"),
-              std::string::npos);
-    EXPECT_NE(refusal(round(ShapeKind::torus, {0, 0, 0}, 1, 0, 2)).find("torus.tube_radius"),
-              std::string::npos);
-    EXPECT_NE(refusal(along(round(ShapeKind::cone, {0, 0, 0}, 1, 1), {0, 0, 0})).find("cone.axis"),
-              std::string::npos);
+    EXPECT_NE(refusal(round(ShapeKind::cylinder, {0, 0, 0}, 1, 0)).find("cylinder.height"), std::string::npos);
+    EXPECT_NE(refusal(round(ShapeKind::torus, {0, 0, 0}, 1, 0, 2)).find("torus.tube_radius"), std::string::npos);
+    EXPECT_NE(refusal(along(round(ShapeKind::cone, {0, 0, 0}, 1, 1), {0, 0, 0})).find("cone.axis"), std::string::npos);
     EXPECT_NE(refusal(round(ShapeKind::sphere, {0, 0, NAN}, 1)).find("sphere.centre"), std::string::npos);
     EXPECT_NE(refusal(round(ShapeKind::sphere, {0, 0, 3}, 1), 2).find("z = 0"), std::string::npos);
     EXPECT_NE(refusal(mesh_shape("no_such.ply")).find("no_such.ply"), std::string::npos);

@@ -71,10 +71,10 @@ void expect_even(const Shape& shape, double spacing, double inset, int dimension
     const SolidRegion region(shape, dimensions);
     const auto samples = sample_surface(region, {spacing, inset, {}});
     const Spread s = measure(region, samples, inset, spacing);
-    SCOPED_TRACE("shape " + std::to_string(int(shape.kind)) + " inset " + std::to_string(inset / spacing) +
-                 " d, " + std::to_string(samples.positions.size()) + " points");
-    std::printf("kind %d, inset %.2f d: %zu points, nearest mean %.3f min %.3f, farthest %.3f\n",
-                int(shape.kind), inset / spacing, samples.positions.size(), s.mean, s.min, s.farthest);
+    SCOPED_TRACE("shape " + std::to_string(int(shape.kind)) + " inset " + std::to_string(inset / spacing) + " d, " +
+                 std::to_string(samples.positions.size()) + " points");
+    std::printf("kind %d, inset %.2f d: %zu points, nearest mean %.3f min %.3f, farthest %.3f\n", int(shape.kind),
+        inset / spacing, samples.positions.size(), s.mean, s.min, s.farthest);
     EXPECT_GE(s.mean, 0.85);
     EXPECT_LE(s.mean, 1.15);
     EXPECT_GE(s.min, 0.6);
@@ -86,7 +86,7 @@ void expect_even(const Shape& shape, double spacing, double inset, int dimension
         EXPECT_NEAR(gap(samples.normals[i], {0, 0, 0}), 1, 1e-12);
         // Outward, also on edges, where it is the mean of the faces.
         EXPECT_GT(region.distance(plus(samples.positions[i], 0.01 * spacing, samples.normals[i])),
-                  region.distance(samples.positions[i]));
+            region.distance(samples.positions[i]));
     }
 }
 
@@ -128,8 +128,7 @@ TEST(SurfaceSampling, IsEvenOnTheBunny) {
         const auto samples = sample_surface(region, {d, inset, {}});
         const double taken = watch.seconds();
         const Spread s = measure(region, samples, inset, d);
-        std::printf(
-            "bunny, inset %.1f d: %zu points (%zu thin), nearest mean %.3f min %.3f, farthest %.3f, %.2f s\n",
+        std::printf("bunny, inset %.1f d: %zu points (%zu thin), nearest mean %.3f min %.3f, farthest %.3f, %.2f s\n",
             inset / d, samples.positions.size(), samples.thin, s.mean, s.min, s.farthest, taken);
         EXPECT_GE(s.mean, 0.85);
         EXPECT_LE(s.mean, 1.15);
@@ -155,8 +154,7 @@ TEST(SurfaceSampling, OfABoxHasItsCornersAndASquareLattice) {
     const auto samples = sample_surface(region, {0.1, 0, {}});
     EXPECT_EQ(samples.positions.size(), 5u * 4 * 3 - 3u * 2 * 1); // lattice of nodes without its inside
     for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{0.4, 0.3, 0.2}, Vec3{0.4, 0, 0.2}})
-        EXPECT_NE(std::find(samples.positions.begin(), samples.positions.end(), corner),
-                  samples.positions.end());
+        EXPECT_NE(std::find(samples.positions.begin(), samples.positions.end(), corner), samples.positions.end());
 }
 
 TEST(SurfaceSampling, IsTheSameBitForBitWhenRepeated) {
@@ -183,12 +181,10 @@ TEST(SurfaceSampling, BodiesThinnerThanTwiceTheInsetGetALayerInTheirMiddle) {
         EXPECT_GT(samples.positions.size(), 80u);
         EXPECT_LT(samples.positions.size(), 160u);
         EXPECT_EQ(samples.thin, samples.positions.size());
-        for (const Vec3& x : samples.positions)
-            EXPECT_NEAR(x[1], 0.025, 1e-5); // single precision of the file
+        for (const Vec3& x : samples.positions) EXPECT_NEAR(x[1], 0.025, 1e-5); // single precision of the file
     }
     EXPECT_EQ(sample_surface(SolidRegion(round(ShapeKind::sphere, {0, 0, 0}, 0.04)), {d, 0.05, {}}).thin, 1u);
-    EXPECT_GT(sample_surface(SolidRegion(round(ShapeKind::torus, {0, 0, 0}, 1, 0, 0.04)), {d, 0.05, {}}).thin,
-              60u);
+    EXPECT_GT(sample_surface(SolidRegion(round(ShapeKind::torus, {0, 0, 0}, 1, 0, 0.04)), {d, 0.05, {}}).thin, 60u);
 }
 
 TEST(SurfaceSampling, OfAnInvertedBoxSurroundsIt) {
@@ -201,8 +197,7 @@ TEST(SurfaceSampling, OfAnInvertedBoxSurroundsIt) {
         corners.erase(samples.positions[i]);
         EXPECT_LE(region.distance(samples.positions[i]), -0.05 + 1e-12);
         const Vec3 inside{0.5, 0.5, 0.5};
-        EXPECT_LT(gap(plus(samples.positions[i], 0.01, samples.normals[i]), inside),
-                  gap(samples.positions[i], inside));
+        EXPECT_LT(gap(plus(samples.positions[i], 0.01, samples.normals[i]), inside), gap(samples.positions[i], inside));
     }
     EXPECT_TRUE(corners.empty());
     EXPECT_GE(estimate_surface_count(region, {0.1, 0.05, {}}), samples.positions.size());
@@ -222,6 +217,5 @@ TEST(SurfaceSampling, OfAPlaneIsClippedAndNeedsAClip) {
 
 TEST(SurfaceSampling, LeavesOutWhatTheClipExcludes) {
     const SolidRegion region(box({0, 0, 0}, {1, 1, 1}));
-    for (const Vec3& x : sample_surface(region, {0.1, 0, {{0, 0, 0}, {0.55, 2, 2}}}).positions)
-        EXPECT_LE(x[0], 0.55);
+    for (const Vec3& x : sample_surface(region, {0.1, 0, {{0, 0, 0}, {0.55, 2, 2}}}).positions) EXPECT_LE(x[0], 0.55);
 }

@@ -103,16 +103,16 @@ TEST(VolumeSampling, AnyCutOfTheDomainGivesTheSameParticlesBitForBit) {
     ball.scale = 0.3;
     ball.translation = {0.45, 0.4, 0.5};
     const double d = 0.021;
-    auto fill =
-        fill_of({ball, round(ShapeKind::torus, {0.5, 0.5, 0.6}, 0.3, 0, 0.1), box({0, 0, 0}, {1, 0.2, 0.3})},
-                {1, 1, 1}, d);
+    auto fill = fill_of(
+        {ball, round(ShapeKind::torus, {0.5, 0.5, 0.6}, 0.3, 0, 0.1), box({0, 0, 0}, {1, 0.2, 0.3})}, {1, 1, 1}, d);
     fill.liquids.push_back({SolidRegion(box({0.1, 0.1, 0.1}, {0.9, 0.4, 0.9}))});
     fill.solids.emplace_back(round(ShapeKind::sphere, {0.6, 0.3, 0.4}, 0.12));
     struct Choice {
         double clearance;
         Filling filling;
     };
-    for (const auto [clearance, filling] : {Choice{0.5 * d, Filling::points}, Choice{0, Filling::points}, Choice{0, Filling::room}}) {
+    for (const auto [clearance, filling] :
+        {Choice{0.5 * d, Filling::points}, Choice{0, Filling::points}, Choice{0, Filling::room}}) {
         fill.clearance = clearance;
         fill.filling = filling;
         fill.part = {};

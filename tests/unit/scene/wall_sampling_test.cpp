@@ -84,8 +84,7 @@ TEST(WallSampling, APlaneTankIsClosed) {
         for (const Vec3& x : samples.positions) EXPECT_EQ(x[2], 0);
     }
     // Two walls of 10, two of 5, four corners; at half a spacing the corners are lattice points.
-    EXPECT_EQ(sample_domain_walls(walls({1, 0.5, 0}, 0.1, 0.05, {W, W, W, W, O, O}, 2)).positions.size(),
-              34u);
+    EXPECT_EQ(sample_domain_walls(walls({1, 0.5, 0}, 0.1, 0.05, {W, W, W, W, O, O}, 2)).positions.size(), 34u);
 }
 
 TEST(WallSampling, EndsWithTheDomainNextToOpenAndPeriodicSides) {
@@ -111,8 +110,7 @@ TEST(WallSampling, APeriodicEdgeMustFitTheLattice) {
 
 TEST(WallSampling, NormalsOfEdgesAndCornersPointIntoTheDomain) {
     const auto samples = sample_domain_walls(walls({1, 1, 1}, 0.1, 0.05, {W, W, W, W, W, W}));
-    const auto corner =
-        std::find(samples.positions.begin(), samples.positions.end(), Vec3{-0.05, -0.05, -0.05});
+    const auto corner = std::find(samples.positions.begin(), samples.positions.end(), Vec3{-0.05, -0.05, -0.05});
     ASSERT_NE(corner, samples.positions.end());
     const Vec3 n = samples.normals[std::size_t(corner - samples.positions.begin())];
     for (const double c : n) EXPECT_NEAR(c, 1 / std::sqrt(3), 1e-15);

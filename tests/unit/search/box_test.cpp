@@ -9,7 +9,8 @@ namespace {
 const double infinite = std::numeric_limits<double>::infinity();
 
 std::vector<Axis> kinds() {
-    return {{-1, 3, 0, 0.5}, {-1, infinite, 0, 1}, {-infinite, 2, 0, 1}, {0, 0.1, 0.05, 1}, {-infinite, infinite, 0, 1}};
+    return {
+        {-1, 3, 0, 0.5}, {-1, infinite, 0, 1}, {-infinite, 2, 0, 1}, {0, 0.1, 0.05, 1}, {-infinite, infinite, 0, 1}};
 }
 
 TEST(Box, MapsEverythingInside) {

@@ -99,7 +99,12 @@ TEST(Bracketing, ResidualsLeadToTheAnswerInFewerEvaluations) {
 }
 
 TEST(Bracketing, ResidualsThatSayNothingDoNotLeadAstray) {
-    for (const double start : starts) EXPECT_LE(evaluations_with(start, [](double x) { return std::vector<double>{std::sin(100 * x), std::cos(70 * x), std::nan("")}; }), 16);
+    for (const double start : starts)
+        EXPECT_LE(evaluations_with(start,
+                      [](double x) {
+                          return std::vector<double>{std::sin(100 * x), std::cos(70 * x), std::nan("")};
+                      }),
+            16);
 }
 
 TEST(Bracketing, PointsLieOnALattice) {

@@ -122,7 +122,9 @@ TEST(CmaBounds, RestartsWithLargerPopulationsFindTheLeastOfManyMinima) {
             CmaEs search(given, options);
             minimise(search, rastrigin);
             count += search.stopped()->kind == StopKind::target;
-            if (search.stopped()->kind == StopKind::target) { EXPECT_LT(rastrigin(search.best()->point), 1e-7); }
+            if (search.stopped()->kind == StopKind::target) {
+                EXPECT_LT(rastrigin(search.best()->point), 1e-7);
+            }
         }
         return count;
     };

@@ -131,7 +131,10 @@ TEST(CmaEs, TakesItsCutFromTheParentsOfTheClosedGeneration) {
     const double none = std::numeric_limits<double>::infinity();
     search.ask();
     EXPECT_EQ(search.cut(0), none) << "no generation is closed";
-    const auto told = [&](double a, double b, double c) { return std::vector<Value>{Value::at_least(9), Value::measured(a), Value::measured(b), Value::at_least(7), Value::measured(c), Value::failed()}; };
+    const auto told = [&](double a, double b, double c) {
+        return std::vector<Value>{Value::at_least(9), Value::measured(a), Value::measured(b), Value::at_least(7),
+            Value::measured(c), Value::failed()};
+    };
     search.tell(told(5, 2, 6));
     search.ask();
     for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(search.cut(k), 6);

@@ -24,7 +24,9 @@ TEST(CmaStops, NameTheirReason) {
     EXPECT_EQ(stop_of(axes(2, 1, 1), [](const Point& x) { return x[0] + x[1]; }), "growth");
     CmaOptions exact;
     exact.tolerances.value = exact.tolerances.value_history = 0;
-    EXPECT_EQ(stop_of(axes(2, 1, 1), [](const Point& x) { return x[0] * x[0] + 1e16 * x[1] * x[1]; }, exact), "condition");
+    EXPECT_EQ(stop_of(
+                  axes(2, 1, 1), [](const Point& x) { return x[0] * x[0] + 1e16 * x[1] * x[1]; }, exact),
+        "condition");
     EXPECT_EQ(stop_of(axes(2, 1e6, 1), [](const Point& x) { return sphere({x[0] - 1e6, x[1] - 1e6}); }), "tolfun");
     exact.limits.generations = 7;
     EXPECT_EQ(stop_of(axes(2, 1, 1), sphere, exact), "generations");
@@ -35,14 +37,20 @@ TEST(CmaStops, NoticeThatRoundOffIsReached) {
     off[0].tolerance = off[1].tolerance = 1e-300;
     CmaOptions exact;
     exact.tolerances.value = exact.tolerances.value_history = 0;
-    const auto name = stop_of(off, [](const Point& x) { return sphere({x[0] - 3, x[1] - 3}); }, exact);
+    const auto name = stop_of(
+        off,
+        [](const Point& x) {
+            return sphere({x[0] - 3, x[1] - 3});
+        },
+        exact);
     EXPECT_TRUE(name == "noeffectaxis" || name == "noeffectcoord") << name;
 }
 
 TEST(CmaStops, NoticeThatNoiseHasTheUpperHand) {
     const Random noise(5);
     std::uint32_t k = 0;
-    EXPECT_EQ(stop_of(axes(2, 1, 1), [&](const Point&) { return noise.normal(Purpose::model, 0, k++, 0); }), "stagnation");
+    EXPECT_EQ(
+        stop_of(axes(2, 1, 1), [&](const Point&) { return noise.normal(Purpose::model, 0, k++, 0); }), "stagnation");
 }
 
 } // namespace

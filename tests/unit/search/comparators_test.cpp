@@ -80,7 +80,8 @@ TEST_P(EveryComparator, EndsWhenNothingHasAValue) {
 }
 
 TEST_P(EveryComparator, GoesTheSameWayAgainWhateverIsSpeculated) {
-    const auto first = GetParam()(axes(3, 0, 0.5), {.evaluations = 400}), second = GetParam()(axes(3, 0, 0.5), {.evaluations = 400});
+    const auto first = GetParam()(axes(3, 0, 0.5), {.evaluations = 400}),
+               second = GetParam()(axes(3, 0, 0.5), {.evaluations = 400});
     while (!first->stopped()) {
         ASSERT_EQ(first->ask(), second->ask());
         second->speculate();
@@ -91,9 +92,9 @@ TEST_P(EveryComparator, GoesTheSameWayAgainWhateverIsSpeculated) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryComparator,
-                         testing::Values(maker<NelderMead, NelderMeadOptions>(), maker<Lbfgs, GradientOptions>(),
-                                         maker<ConjugateGradients, GradientOptions>(),
-                                         maker<MomentumDescent, GradientOptions>(), maker<Swarm, SwarmOptions>()));
+    testing::Values(maker<NelderMead, NelderMeadOptions>(), maker<Lbfgs, GradientOptions>(),
+        maker<ConjugateGradients, GradientOptions>(), maker<MomentumDescent, GradientOptions>(),
+        maker<Swarm, SwarmOptions>()));
 
 // What a cut ends early changes no step of a search whose cut is exact.
 template <class Method>

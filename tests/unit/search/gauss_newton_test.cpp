@@ -49,7 +49,9 @@ std::vector<Axis> logarithms() {
     return out;
 }
 
-double herschel_bulkley(const Point& x, double rate) { return std::exp(x[2]) / rate + std::exp(x[0]) * std::pow(rate, x[1] - 1); }
+double herschel_bulkley(const Point& x, double rate) {
+    return std::exp(x[2]) / rate + std::exp(x[0]) * std::pow(rate, x[1] - 1);
+}
 
 // Places of a front of which the speed falls with the viscosity at shear rates that fall in time, in units of their noise.
 std::vector<double> fronts(const Point& x, const Point& truth, double noise) {
@@ -68,12 +70,14 @@ std::vector<double> fronts(const Point& x, const Point& truth, double noise) {
 
 double curve_difference(const Point& x, const Point& truth) {
     double worst = 0;
-    for (const double rate : {5.0, 10.0, 20.0, 40.0, 70.0}) worst = std::max(worst, std::abs(std::log(herschel_bulkley(x, rate) / herschel_bulkley(truth, rate))));
+    for (const double rate : {5.0, 10.0, 20.0, 40.0, 70.0})
+        worst = std::max(worst, std::abs(std::log(herschel_bulkley(x, rate) / herschel_bulkley(truth, rate))));
     return worst;
 }
 
 TEST(GaussNewton, FindsAFlowCurveOfThreeParametersByTwentyRuns) {
-    for (const Point& truth : {Point{std::log(8.0), 0.5, std::log(5.0)}, Point{std::log(3.0), 0.35, std::log(20.0)}, Point{std::log(40.0), 0.8, std::log(1.0)}}) {
+    for (const Point& truth : {Point{std::log(8.0), 0.5, std::log(5.0)}, Point{std::log(3.0), 0.35, std::log(20.0)},
+             Point{std::log(40.0), 0.8, std::log(1.0)}}) {
         GaussNewton search(logarithms(), {.limits = {.evaluations = 20}});
         minimise(search, [&](const Point& x) { return fronts(x, truth, 0.3); });
         EXPECT_LT(curve_difference(search.best()->point, truth), 0.05);
@@ -92,7 +96,9 @@ TEST(GaussNewton, StaysWithinTheBoundsAndFindsAnAnswerOnOne) {
     for (Axis& axis : given) axis.lower = 0.2;
     for (Axis& axis : given) axis.upper = 3;
     GaussNewton search(given, {.limits = {.evaluations = 60}});
-    for (const Point& x : minimise(search, [](const Point& x) { return std::vector<double>{x[0], x[1] - 2 + 0.3 * (x[0] - 0.2)}; }))
+    for (const Point& x : minimise(search, [](const Point& x) {
+             return std::vector<double>{x[0], x[1] - 2 + 0.3 * (x[0] - 0.2)};
+         }))
         for (const double c : x) EXPECT_TRUE(c >= 0.2 && c <= 3);
     EXPECT_NEAR(search.best()->point[0], 0.2, 1e-3);
     EXPECT_NEAR(search.best()->point[1], 2, 0.02);

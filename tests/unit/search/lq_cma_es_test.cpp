@@ -32,8 +32,8 @@ TEST(LqModel, IsExactForItsOwnPolynomials) {
 }
 
 TEST(LqModel, HasAsManyTermsAsItsValuesSufficeFor) {
-    EXPECT_FALSE(through(bent, 5).minimum());       // linear
-    EXPECT_TRUE(through(bent, 8).minimum());        // squares
+    EXPECT_FALSE(through(bent, 5).minimum()); // linear
+    EXPECT_TRUE(through(bent, 8).minimum());  // squares
     EXPECT_GT(std::abs(through(bent, 8).at({5, -4}) - bent({5, -4})), 1e-3);
     EXPECT_FALSE(through([](const Point& x) { return -sphere(x); }, 12).minimum());
 }
@@ -67,7 +67,9 @@ TEST(LqCmaEs, WhereNoPolynomialHelpsItMeasuresEverything) {
     CmaOptions options;
     options.limits.evaluations = 600;
     LqCmaEs search(axes(3, 1, 1), options);
-    minimise(search, [&](const Point& x) { return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]) + 1e-3 * noise.normal(Purpose::model, 0, k++, 0); });
+    minimise(search, [&](const Point& x) {
+        return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]) + 1e-3 * noise.normal(Purpose::model, 0, k++, 0);
+    });
     EXPECT_LT(search.best()->value, 0.02);
 }
 

@@ -37,7 +37,9 @@ TEST(Matrix, EigenvectorsTurnItDiagonal) {
             EXPECT_NEAR(norm(column), 1, round_off);
             const auto product = multiply(a, column);
             for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(product[i], values[j] * column[i], round_off * double(n));
-            if (j > 0) { EXPECT_LE(values[j - 1], values[j]); }
+            if (j > 0) {
+                EXPECT_LE(values[j - 1], values[j]);
+            }
             double largest = 0;
             for (const double c : column)
                 if (std::abs(c) > std::abs(largest)) largest = c;

@@ -20,7 +20,8 @@ std::vector<Rung> series(double value, double slope, double order, std::vector<d
 // Beyond the finest rung lies the extrapolation by the order, and the order stays uncertain.
 TEST(Rungs, APowerIsFollowedToSpacingZero) {
     for (const double order : {0.75, 1.0, 1.25, 1.5})
-        for (const auto& spacings : {std::vector<double>{0.25, 0.5, 1}, {1, 0.25, 0.6}, {0.35, 0.5, 0.7, 1}, {0.4, 0.5, 0.7, 1}}) {
+        for (const auto& spacings :
+            {std::vector<double>{0.25, 0.5, 1}, {1, 0.25, 0.6}, {0.35, 0.5, 0.7, 1}, {0.4, 0.5, 0.7, 1}}) {
             const auto found = extrapolate(series(2.3, -0.05, order, spacings), {});
             const double exact = 0.05 * std::pow(std::ranges::min(spacings), order);
             EXPECT_NEAR(found.order, order, 0.65); // drawn to the usual one
@@ -33,9 +34,9 @@ TEST(Rungs, APowerIsFollowedToSpacingZero) {
 }
 
 TEST(Rungs, WithoutAnOrderTheDeviationIsAsLargeAsTheirDifferences) {
-    const std::vector<std::vector<Rung>> without{{{1, 2.0}, {1.4, 2.1}, {2, 2.05}},  // not monotone
-                                                 {{1, 2.0}, {1.4, 2.002}, {2, 2.1}}, // order 8
-                                                 {{1, 2.0}, {1.4, 2.1}}};
+    const std::vector<std::vector<Rung>> without{{{1, 2.0}, {1.4, 2.1}, {2, 2.05}}, // not monotone
+        {{1, 2.0}, {1.4, 2.002}, {2, 2.1}},                                         // order 8
+        {{1, 2.0}, {1.4, 2.1}}};
     for (const auto& rungs : without) {
         const auto found = extrapolate(rungs, {0.01, 4});
         EXPECT_GT(found.deviation, 0.04);
@@ -70,7 +71,9 @@ TEST(Rungs, TheDeviationIsHonest) {
         double measured = 0;
         for (std::uint32_t i = 0; i < 4; ++i) measured += 0.25 * std::pow(noise * normal(2, i), 2);
         std::vector<Rung> rungs;
-        for (const double h : {0.5, 0.7, 1.0}) rungs.push_back({h, 1 + first * h + second * h * h + noise * std::pow(h, 1.5) * normal(1, std::uint32_t(10 * h))});
+        for (const double h : {0.5, 0.7, 1.0})
+            rungs.push_back(
+                {h, 1 + first * h + second * h * h + noise * std::pow(h, 1.5) * normal(1, std::uint32_t(10 * h))});
         const auto found = extrapolate(rungs, {std::sqrt(measured), 4});
         ninety += std::abs(found.value - 1) < 1.645 * found.deviation;
         fifty += std::abs(found.value - 1) < 0.6745 * found.deviation;

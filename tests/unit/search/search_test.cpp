@@ -98,9 +98,8 @@ TEST(Search, HandsOnWhatItsMethodThrows) {
 }
 
 TEST(Search, RanksBoundsBehindValuesFailuresLastAndTiesInOrder) {
-    const std::vector<Value> values{Value::failed(),      Value::at_least(2), Value::measured(2), Value::measured(1),
-                                    Value::measured(2),   Value::measured(std::nan("")),
-                                    Value::at_least(1.5), Value::measured(1)};
+    const std::vector<Value> values{Value::failed(), Value::at_least(2), Value::measured(2), Value::measured(1),
+        Value::measured(2), Value::measured(std::nan("")), Value::at_least(1.5), Value::measured(1)};
     EXPECT_EQ(ranking(values), (std::vector<std::size_t>{3, 7, 6, 2, 4, 1, 0, 5}));
     EXPECT_TRUE(values[5].is_failed());
 }

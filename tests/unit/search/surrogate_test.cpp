@@ -39,9 +39,8 @@ TEST(GaussianProcess, FindsTheLongerLength) {
 TEST(GaussianProcess, TellsNoiseFromTheFunction) {
     const Random random(4);
     std::uint32_t k = 0;
-    const auto process = through(scattered(80, 2, 4), [&](const Point& x) {
-        return waves(x) + 0.1 * random.normal(Purpose::model, 9, k++, 0);
-    });
+    const auto process = through(
+        scattered(80, 2, 4), [&](const Point& x) { return waves(x) + 0.1 * random.normal(Purpose::model, 9, k++, 0); });
     EXPECT_NEAR(process.noise(), 0.1, 0.03);
 }
 

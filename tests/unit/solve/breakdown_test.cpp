@@ -23,7 +23,7 @@ struct Result {
 };
 
 Result solve(TestSystem system, std::vector<double> b, KrylovOptions options,
-             const ConvergenceTest& test = ConvergenceTest::residual(1e-10)) {
+    const ConvergenceTest& test = ConvergenceTest::residual(1e-10)) {
     const auto comm = Comm::world();
     Matrix matrix(comm, system.blocks());
     KrylovSolver solver(comm, "test", options);

@@ -19,15 +19,15 @@ TestSystem ring(const Comm& comm, bool grounded) {
     return {comm, n, [grounded](Index i) {
                 const Index before = (i + n - 1) % n, after = (i + 1) % n;
                 std::vector<TestSystem::Entry> row{{before, -strength(before)},
-                                                   {i, strength(before) + strength(i) + (grounded ? ground(i) : 0)},
-                                                   {after, -strength(i)}};
+                    {i, strength(before) + strength(i) + (grounded ? ground(i) : 0)}, {after, -strength(i)}};
                 std::sort(row.begin(), row.end());
                 return row;
             }};
 }
 
 // Gaussian elimination on the rows of a set; the others' values are 0.
-std::vector<double> solve_on(const std::vector<std::vector<double>>& matrix, const std::vector<double>& b, unsigned set) {
+std::vector<double> solve_on(
+    const std::vector<std::vector<double>>& matrix, const std::vector<double>& b, unsigned set) {
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < b.size(); ++i) {
         if ((set >> i & 1u) != 0) rows.push_back(i);
@@ -91,9 +91,8 @@ protected:
     const Comm comm = Comm::world();
 };
 INSTANTIATE_TEST_SUITE_P(all, EachCut,
-                         testing::Values(Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0,
-                                         Preconditioner::ssor),
-                         [](const auto& info) { return std::string(to_string(info.param)); });
+    testing::Values(Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0, Preconditioner::ssor),
+    [](const auto& info) { return std::string(to_string(info.param)); });
 
 } // namespace
 

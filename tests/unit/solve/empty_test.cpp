@@ -14,8 +14,7 @@ namespace treacle::solve::empty_test {
 
 namespace {
 const std::vector<Preconditioner> kinds{Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0,
-                                        Preconditioner::ssor, Preconditioner::sor_jacobi, Preconditioner::gamg,
-                                        Preconditioner::boomeramg};
+    Preconditioner::ssor, Preconditioner::sor_jacobi, Preconditioner::gamg, Preconditioner::boomeramg};
 
 // Cells of the rows of poisson(n), two wide.
 std::vector<int> cells_of(const TestSystem& system, Index n) {
@@ -32,7 +31,8 @@ protected:
     static constexpr Index width = 6;
 
     // A solver that has seen rows, then none, then rows again gives what a new one does.
-    void expect_to_serve(KrylovSolver& solver, const std::function<void(TestSystem&)>& before = [](TestSystem&) {}) {
+    void expect_to_serve(
+        KrylovSolver& solver, const std::function<void(TestSystem&)>& before = [](TestSystem&) {}) {
         for (const Index n : {Index{0}, width, Index{0}, width}) {
             auto system = poisson(comm, n, Border::dirichlet);
             before(system);
@@ -94,8 +94,11 @@ TEST_F(EmptySystems, leave_hierarchies_as_good_as_new) {
 // A rank beside the liquid has none of its rows, and cells of it in its halo.
 TEST_F(EmptySystems, of_some_ranks_take_part_in_all_exchanges) {
     auto system = poisson(comm, width, Border::dirichlet, std::max(1, comm.size() - 1));
-    if (system.rows == 0) system.halo.connect(comm, system.first, std::vector<Index>{0, system.global_rows - 1});
-    else system.halo.connect(comm, system.first, std::vector<Index>(system.halo.columns().begin(), system.halo.columns().end()));
+    if (system.rows == 0)
+        system.halo.connect(comm, system.first, std::vector<Index>{0, system.global_rows - 1});
+    else
+        system.halo.connect(
+            comm, system.first, std::vector<Index>(system.halo.columns().begin(), system.halo.columns().end()));
     Matrix matrix(comm, system.blocks());
     const auto cells = cells_of(system, width);
     const std::vector<double> places(cells.begin(), cells.end());

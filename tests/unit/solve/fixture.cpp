@@ -15,10 +15,11 @@ std::unique_ptr<SolveRuntime> the_runtime;
 
 class PetscEnvironment : public testing::Environment {
     void SetUp() override {
-        the_runtime = std::make_unique<SolveRuntime>("-bad_pc_type nonsense -chosen_pc_type jacobi "
-                                                     "-misspelt_pc_tipe jacobi -sweeping_pc_type eisenstat "
-                                                     "-same_ksp_type cg -minimal_ksp_type minres "
-                                                     "-limited_ksp_max_it 3 -loose_ksp_rtol 1e-2 -odd_ksp_type strange");
+        the_runtime =
+            std::make_unique<SolveRuntime>("-bad_pc_type nonsense -chosen_pc_type jacobi "
+                                           "-misspelt_pc_tipe jacobi -sweeping_pc_type eisenstat "
+                                           "-same_ksp_type cg -minimal_ksp_type minres "
+                                           "-limited_ksp_max_it 3 -loose_ksp_rtol 1e-2 -odd_ksp_type strange");
     }
     void TearDown() override { the_runtime.reset(); }
 };
@@ -112,7 +113,7 @@ double distance(const Comm& comm, const std::vector<double>& a, const std::vecto
 }
 
 void expect_symmetric_and_positive(const Comm& comm, const TestSystem& system,
-                                   const std::function<void(std::span<const double>, std::span<double>)>& apply) {
+    const std::function<void(std::span<const double>, std::span<double>)>& apply) {
     const auto u = system.values(noise);
     const auto v = system.values([](Index i) { return noise(7 * i + 3); });
     std::vector<double> mu(u.size()), mv(u.size());

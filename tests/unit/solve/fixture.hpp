@@ -46,6 +46,6 @@ double distance(const Comm& comm, const std::vector<double>& a, const std::vecto
 
 // That z = M r, by apply(r, z), is symmetric and positive for two vectors of this rank's rows.
 void expect_symmetric_and_positive(const Comm& comm, const TestSystem& system,
-                                   const std::function<void(std::span<const double>, std::span<double>)>& apply);
+    const std::function<void(std::span<const double>, std::span<double>)>& apply);
 
 } // namespace treacle::solve

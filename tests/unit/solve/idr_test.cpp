@@ -13,13 +13,16 @@ constexpr Index unknowns = 60;
 
 // Neither symmetric nor definite: diagonal entries of both signs, unlike in size, and a wind to one side.
 TestSystem one_way(const Comm& comm, int owners = 1 << 20) {
-    return TestSystem(comm, unknowns, [](Index i) {
-        std::vector<TestSystem::Entry> row;
-        if (i > 0) row.push_back({i - 1, -1.5});
-        row.push_back({i, (i % 3 == 0 ? -4.0 : 5.0) * (i % 7 == 0 ? 100 : 1)});
-        if (i + 1 < unknowns) row.push_back({i + 1, 0.25});
-        return row;
-    }, owners);
+    return TestSystem(
+        comm, unknowns,
+        [](Index i) {
+            std::vector<TestSystem::Entry> row;
+            if (i > 0) row.push_back({i - 1, -1.5});
+            row.push_back({i, (i % 3 == 0 ? -4.0 : 5.0) * (i % 7 == 0 ? 100 : 1)});
+            if (i + 1 < unknowns) row.push_back({i + 1, 0.25});
+            return row;
+        },
+        owners);
 }
 
 struct Case {
@@ -30,8 +33,8 @@ struct Case {
     Operator all;
 
     explicit Case(int owners = 1 << 20)
-        : system(one_way(comm, owners)), matrix(comm, system.blocks()), weights(static_cast<std::size_t>(system.rows), 1.0),
-          b(system.product(noise)), x(b.size(), 0.0) {
+        : system(one_way(comm, owners)), matrix(comm, system.blocks()),
+          weights(static_cast<std::size_t>(system.rows), 1.0), b(system.product(noise)), x(b.size(), 0.0) {
         all.multiply = [this](auto from, auto to) { matrix.multiply(from, to); };
         all.precondition = [](auto from, auto to) { std::copy(from.begin(), from.end(), to.begin()); };
         for (std::size_t r = 0; r < weights.size(); ++r) weights[r] = (system.first + Index(r)) % 7 == 0 ? 1e-2 : 1;
@@ -98,7 +101,8 @@ TEST(Idr, ends_with_the_best_that_rounding_leaves) {
 TEST(Idr, begins_anew_where_its_recurrences_have_lost_their_accuracy) {
     for (int wave = 1; wave <= 40; ++wave) {
         Case c;
-        for (std::size_t r = 0; r < c.b.size(); ++r) c.b[r] = std::sin(0.37 * wave * static_cast<double>(c.system.first + Index(r) + 1));
+        for (std::size_t r = 0; r < c.b.size(); ++r)
+            c.b[r] = std::sin(0.37 * wave * static_cast<double>(c.system.first + Index(r) + 1));
         Idr idr(c.comm, {300, 1});
         const auto report = idr.solve(c.all, c.b, c.x, 1e-13);
         EXPECT_TRUE(report.converged()) << wave << ": " << report.reason;

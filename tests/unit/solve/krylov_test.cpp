@@ -26,10 +26,9 @@ protected:
     KrylovSolver solver = solver_with(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(all, EachPreconditioner,
-                         testing::Values(Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0,
-                                         Preconditioner::ssor, Preconditioner::sor_jacobi, Preconditioner::gamg,
-                                         Preconditioner::boomeramg),
-                         [](const auto& info) { return std::string(to_string(info.param)); });
+    testing::Values(Preconditioner::none, Preconditioner::jacobi, Preconditioner::ic0, Preconditioner::ssor,
+        Preconditioner::sor_jacobi, Preconditioner::gamg, Preconditioner::boomeramg),
+    [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST_P(EachPreconditioner, solves_poisson_to_the_known_solution_on_any_number_of_ranks) {
     auto system = poisson(comm, 24, Border::dirichlet);
@@ -51,16 +50,12 @@ TEST_P(EachPreconditioner, solves_poisson_to_the_known_solution_on_any_number_of
     const auto limit = [&] {
         switch (GetParam()) {
         case Preconditioner::none:
-        case Preconditioner::jacobi:
-            return 105;
-        case Preconditioner::ic0:
-            return 48;
-        case Preconditioner::ssor:
-            return 52;
+        case Preconditioner::jacobi: return 105;
+        case Preconditioner::ic0: return 48;
+        case Preconditioner::ssor: return 52;
         case Preconditioner::sor_jacobi: // two products an iteration more
             return 75;
-        default:
-            return 16;
+        default: return 16;
         }
     }();
     EXPECT_LE(report.iterations, limit);
@@ -200,7 +195,7 @@ TEST(Krylov, a_solution_far_smaller_than_the_guess_or_than_any_number_is_found) 
         const auto nothing = [](std::span<const double>) { return 0.0; };
         const auto report = solver.solve(matrix, b, x, ConvergenceTest::measure(nothing, 1, 0.1));
         EXPECT_TRUE(report.converged()) << report.reason;
-        EXPECT_LE(report.iterations, 27); // the unknowns
+        EXPECT_LE(report.iterations, 27);                          // the unknowns
         for (const double value : x) EXPECT_NEAR(value, 0, 1e-12); // 1e-14 of a guess near 1, times the condition
     }
 }
@@ -208,7 +203,7 @@ TEST(Krylov, a_solution_far_smaller_than_the_guess_or_than_any_number_is_found) 
 // Average density error: sum over rows of max(0, -r) / rows, as the pressure solve has it.
 class DensityTest : public testing::TestWithParam<Preconditioner> {};
 INSTANTIATE_TEST_SUITE_P(cheap_and_expensive, DensityTest,
-                         testing::Values(Preconditioner::none, Preconditioner::ssor, Preconditioner::gamg));
+    testing::Values(Preconditioner::none, Preconditioner::ssor, Preconditioner::gamg));
 
 TEST_P(DensityTest, ends_the_iteration_at_the_users_measure_of_the_true_residual) {
     const auto comm = Comm::world();

@@ -62,7 +62,9 @@ struct Sample {
 
     Sample(const Comm& group, int n, double stiffness, RigidMultilevelOptions options, int owners = 1 << 20)
         : comm(group), springs{n, stiffness},
-          system(group, 3 * n * n * n, [s = springs](Index row) { return s.row(row); }, owners), multilevel(group, options) {
+          system(
+              group, 3 * n * n * n, [s = springs](Index row) { return s.row(row); }, owners),
+          multilevel(group, options) {
         for (Index i = system.first; i < system.first + system.rows; ++i) {
             for (const int x : springs.corner(i / 3)) {
                 cells.push_back(x);

@@ -20,8 +20,7 @@ TEST(SolveRuntime, refuses_a_word_where_an_option_is_expected) {
 
 TEST(SolveRuntime, an_error_inside_petsc_becomes_an_exception_with_its_text) {
     try {
-        check(PetscError(PETSC_COMM_SELF, 7, "f", "file.c", PETSC_ERR_ARG_WRONG, PETSC_ERROR_INITIAL,
-                         "no way"));
+        check(PetscError(PETSC_COMM_SELF, 7, "f", "file.c", PETSC_ERR_ARG_WRONG, PETSC_ERROR_INITIAL, "no way"));
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::simulation_failed);
@@ -77,7 +76,7 @@ TEST(PrefixedOptions, eisenstat_is_refused_since_it_needs_petscs_own_krylov_meth
 
 namespace {
 SolveReport solved(const std::string& prefix, const ConvergenceTest& test, Preconditioner preconditioner,
-                   Border border = Border::dirichlet) {
+    Border border = Border::dirichlet) {
     const auto comm = Comm::world();
     auto system = poisson(comm, 12, border);
     Matrix matrix(comm, system.blocks());
@@ -99,7 +98,7 @@ TEST(PrefixedOptions, have_petscs_krylov_methods_solve_with_our_preconditioner_a
             const auto ours = solved("plain", tight, preconditioner, border);
             const auto theirs = solved("same", tight, preconditioner, border);
             EXPECT_TRUE(theirs.converged()) << theirs.reason;
-            EXPECT_LE(theirs.relative_residual, 1.01e-9); // the recurrence's drift
+            EXPECT_LE(theirs.relative_residual, 1.01e-9);       // the recurrence's drift
             EXPECT_NEAR(theirs.iterations, ours.iterations, 1); // the same method, other sums
             const auto other = solved("minimal", tight, preconditioner, border);
             EXPECT_TRUE(other.converged()) << other.reason;

@@ -19,10 +19,9 @@ SphOptions tight() {
 // A brick of 3 x 3 x 5 spacings, as solid number 1, inside a block of liquid in free space.
 Sample brick_in_liquid(const Vec3& velocity, double density_ratio) {
     auto sample = Sample{make_setup(make_domain(3, {0, 0, 0}, {24 * spacing, 12 * spacing, 12 * spacing},
-                                                {scene::BoundaryKind::open, {false, false, false}}),
-                                    tight()),
-                         {},
-                         {}};
+                                        {scene::BoundaryKind::open, {false, false, false}}),
+                             tight()),
+        {}, {}};
     add_block(sample, {{2.5 * spacing, 2.5 * spacing, 2.5 * spacing}, {19, 7, 7}, spacing, 0.05});
     const Vec3 lo{6 * spacing, 4 * spacing, 3.5 * spacing};
     std::erase_if(sample.liquid, [&](const auto& point) {
@@ -93,8 +92,7 @@ Sample linked_bricks(Held held) {
 }
 
 std::array<double, 6> total_momentum(const IsphStep& step) {
-    const auto liquid =
-        measure_totals(step.comm(), step.liquid(), step.setup().constants, step.setup().forces.gravity);
+    const auto liquid = measure_totals(step.comm(), step.liquid(), step.setup().constants, step.setup().forces.gravity);
     auto sum = step.bodies().momentum();
     for (std::size_t k = 0; k < 3; ++k) {
         sum[k] += liquid.momentum[k];

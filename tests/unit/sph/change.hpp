@@ -11,8 +11,9 @@ struct Change {
     double size = 0;            // sum of |m du|
 };
 // density: of a liquid by its number, over the first one's.
-inline Change change(const Parts& parts, const std::map<std::int64_t, State>& before,
-                     const std::function<double(int)>& density = [](int) { return 1.0; }) {
+inline Change change(
+    const Parts& parts, const std::map<std::int64_t, State>& before,
+    const std::function<double(int)>& density = [](int) { return 1.0; }) {
     const auto liquid = by_id(parts.comm, parts.liquid, parts.liquid.liquid());
     Change out;
     for (const auto& [id, now] : all_states(parts.comm, parts.liquid)) {

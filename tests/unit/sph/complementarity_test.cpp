@@ -19,11 +19,13 @@ SphOptions exact(double residual, PressurePreconditioner preconditioner = Pressu
 Sample block(const SphOptions& options, const std::array<int, 3>& count, std::uint64_t seed) {
     const int dimensions = count[2] > 1 ? 3 : 2;
     const Vec3 size{count[0] * spacing, 2 * count[1] * spacing, count[2] * spacing};
-    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, {}}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, {}}), options), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, dimensions == 3 ? spacing / 2 : 0}, count, spacing, 0.2, seed});
     for (int i = 0; i < count[0]; ++i) {
         for (int k = 0; k < count[2]; ++k) {
-            sample.solid.push_back({{(i + 0.5) * spacing, -0.6 * spacing, dimensions == 3 ? (k + 0.5) * spacing : 0}, 0});
+            sample.solid.push_back(
+                {{(i + 0.5) * spacing, -0.6 * spacing, dimensions == 3 ? (k + 0.5) * spacing : 0}, 0});
         }
     }
     test::Random random(seed + 100);
@@ -95,13 +97,13 @@ Eigen::VectorXd search(const Problem& problem) {
 
 class EachCut : public testing::TestWithParam<PressurePreconditioner> {};
 INSTANTIATE_TEST_SUITE_P(all, EachCut,
-                         testing::Values(PressurePreconditioner::jacobi, PressurePreconditioner::incomplete_cholesky,
-                                         PressurePreconditioner::multilevel),
-                         [](const auto& info) {
-                             return std::string(info.param == PressurePreconditioner::jacobi       ? "jacobi"
-                                                : info.param == PressurePreconditioner::multilevel ? "multilevel"
-                                                                                                   : "cholesky");
-                         });
+    testing::Values(PressurePreconditioner::jacobi, PressurePreconditioner::incomplete_cholesky,
+        PressurePreconditioner::multilevel),
+    [](const auto& info) {
+        return std::string(info.param == PressurePreconditioner::jacobi       ? "jacobi"
+                           : info.param == PressurePreconditioner::multilevel ? "multilevel"
+                                                                              : "cholesky");
+    });
 } // namespace
 
 TEST_P(EachCut, FindsWhatTryingEverySetFinds) {
@@ -150,7 +152,9 @@ TEST(Complementarity, ABlobThatNothingAnchorsIsHeldAtOneParticle) {
     const auto comm = Comm::world();
     auto options = exact(1e-10);
     Sample sample{make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 14 * spacing, 14 * spacing},
-                                         {scene::BoundaryKind::open, {}}), options), {}, {}};
+                                 {scene::BoundaryKind::open, {}}),
+                      options),
+        {}, {}};
     add_block(sample, {{6 * spacing, 6 * spacing, 6 * spacing}, {4, 4, 4}, 0.85 * spacing, 0.05});
     const std::size_t first = sample.liquid.size();
     add_block(sample, {{22 * spacing, 5 * spacing, 5 * spacing}, {4, 4, 4}, spacing, 0.05});
@@ -189,7 +193,8 @@ Sample plane(DirichletRule rule) {
     setup.reference_speed = std::sqrt(9.81 * n * spacing);
     setup.forces.artificial = 0.2 * setup.constants.support * setup.reference_speed;
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}, spacing, 0.1});
-    const double gap = equilibrium_wall_distance({options.kernel, 2, setup.constants.support, spacing, spacing}, options.density);
+    const double gap =
+        equilibrium_wall_distance({options.kernel, 2, setup.constants.support, spacing, spacing}, options.density);
     const double out = gap - spacing / 2;
     for (int i = -2; i < 2 * n + 2; ++i) sample.solid.push_back({{(i + 0.5) * spacing, -out, 0}, 0});
     for (int k = 0; k < 3 * n / 2; ++k) {

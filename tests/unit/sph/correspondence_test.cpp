@@ -30,8 +30,8 @@ struct Point {
 Sample make_square(const Arrangement& arrangement) {
     const SphOptions options;
     const double edge = cells * options.support_ratio * spacing, step = arrangement.step * spacing;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {edge, edge, spacing}, {scene::BoundaryKind::open, {}}), options),
-                  {}, {}};
+    Sample sample{
+        make_setup(make_domain(2, {0, 0, 0}, {edge, edge, spacing}, {scene::BoundaryKind::open, {}}), options), {}, {}};
     const int count = static_cast<int>(std::lround(edge / step));
     add_block(sample, {{step / 2, step / 2, 0}, {count, count, 1}, step, arrangement.jitter});
     return sample;
@@ -45,9 +45,7 @@ Cell cell_of(const CellGrid& grid, const Vec3& x) {
 bool at_edge(const Cell& c) { // the grid has a cell of air around the square
     return std::min(c[0], c[1]) <= 1 || std::max(c[0], c[1]) >= cells;
 }
-bool in_middle(const Cell& c) {
-    return std::min(c[0], c[1]) > cells / 3 && std::max(c[0], c[1]) <= cells - cells / 3;
-}
+bool in_middle(const Cell& c) { return std::min(c[0], c[1]) > cells / 3 && std::max(c[0], c[1]) <= cells - cells / 3; }
 
 // Values of the caller's rows, on all ranks in the order of the ids.
 std::map<std::int64_t, double> gather(Parts& parts, const std::vector<double>& of_rows) {
@@ -62,8 +60,8 @@ std::map<std::int64_t, double> gather(Parts& parts, const std::vector<double>& o
 }
 
 // The grids' part of the preconditioner by itself: its smoother does next to nothing, its first grid is solved for.
-std::map<std::int64_t, double> solve_grid(Parts& parts, const std::map<std::int64_t, Vec3>& places,
-                                          const std::map<std::int64_t, double>& sources) {
+std::map<std::int64_t, double> solve_grid(
+    Parts& parts, const std::map<std::int64_t, Vec3>& places, const std::map<std::int64_t, double>& sources) {
     auto& system = parts.system;
     const auto& grid = parts.setup.grid;
     const auto rows = static_cast<std::size_t>(system.rows());
@@ -128,9 +126,8 @@ std::vector<Point> solve_square(const Arrangement& arrangement) {
     }
     Parts parts(Comm::world(), sample);
     parts.predict_roles(LastPressures::known, dt);
-    parts.set_by_id(parts.liquid.role(), [&](std::int64_t id) {
-        return at_edge(cell_of(grid, places.at(id))) ? Role::dirichlet : Role::poisson;
-    });
+    parts.set_by_id(parts.liquid.role(),
+        [&](std::int64_t id) { return at_edge(cell_of(grid, places.at(id))) ? Role::dirichlet : Role::poisson; });
     parts.halo.gather(parts.liquid.store, {parts.liquid.role_field()});
     parts.assemble();
     const auto system = gather_system(parts);
@@ -176,7 +173,7 @@ void write_table(const char* file, const std::vector<std::pair<const char*, std:
     for (const auto& [name, points] : squares) {
         for (const auto& point : points) {
             std::fprintf(out, "%s,%.6g,%.6g,%.17g,%.17g\n", name, point.x[0] / spacing, point.x[1] / spacing,
-                         point.particles, point.grid);
+                point.particles, point.grid);
         }
     }
     EXPECT_EQ(std::fclose(out), 0);

@@ -3,8 +3,8 @@
 namespace treacle::sph::definite_test {
 namespace {
 
-const SolidTerm terms[] = {SolidTerm::none, SolidTerm::decomposed, SolidTerm::unified, SolidTerm::amplified,
-                           SolidTerm::exact};
+const SolidTerm terms[] = {
+    SolidTerm::none, SolidTerm::decomposed, SolidTerm::unified, SolidTerm::amplified, SolidTerm::exact};
 constexpr double dt = 1e-3; // [s]
 // In two steps every particle would reach the centre of the flow: all are predicted to be compressed.
 constexpr double rate = 4 / dt;
@@ -19,8 +19,7 @@ Sample free_space(SolidTerm term = SolidTerm::exact) {
 Eigen::VectorXd eigenvalues(Parts& parts) {
     const auto system = gather_system(parts);
     EXPECT_EQ((system.matrix - system.matrix.transpose()).cwiseAbs().maxCoeff(), 0);
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system.matrix, Eigen::EigenvaluesOnly)
-        .eigenvalues();
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system.matrix, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 // The least eigenvalue of a graph anchored at one of n particles is about 1 / n of the largest; round-off of
@@ -39,8 +38,8 @@ TEST(PressureMatrix, OfAJitteredBlockWithOneDirichletParticleIsPositiveDefinite)
     ASSERT_EQ(sample.liquid.size(), 729u);
     Parts parts(Comm::self(), sample);
     parts.predict_roles(LastPressures::known, dt);
-    parts.set_by_id(parts.liquid.role(),
-                    [](std::int64_t id) { return id == id_of(17) ? Role::dirichlet : Role::poisson; });
+    parts.set_by_id(
+        parts.liquid.role(), [](std::int64_t id) { return id == id_of(17) ? Role::dirichlet : Role::poisson; });
     parts.assemble();
     EXPECT_EQ(parts.system.rows(), 728);
     expect_positive_definite(parts, "one Dirichlet particle");

@@ -6,8 +6,8 @@
 namespace treacle::sph::domain_test {
 
 TEST(DomainBox, WrappedParticlesDifferFromTheirImagesByThePeriodExactly) {
-    const auto box = make_domain_box(
-        make_domain(3, {-0.1, 0, 0.3}, {0.6, 1.0 / 3, 1.7}, {.periodic = {true, true, false}}), 0.1);
+    const auto box =
+        make_domain_box(make_domain(3, {-0.1, 0, 0.3}, {0.6, 1.0 / 3, 1.7}, {.periodic = {true, true, false}}), 0.1);
     test::Random random(1);
     for (int trial = 0; trial < 2000; ++trial) {
         for (int axis = 0; axis < 2; ++axis) {
@@ -47,7 +47,8 @@ TEST(CellGrid, RefusesAPeriodicEdgeInWhichAParticleMeetsTwoImages) {
         make_cell_grid(domain, 0.11);
         FAIL() << "two supports do not fit";
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("the period of 0.21 m in z is not above two support radii, 0.22 m"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("the period of 0.21 m in z is not above two support radii, 0.22 m"),
+            std::string::npos);
     }
 }
 
@@ -60,8 +61,10 @@ TEST(CellGrid, NamesAPeriodAndItsLeastByNumbersThatDifferWhereTheyDo) {
         }
         return "accepted";
     };
-    EXPECT_NE(message(0.05, 0.025).find("the period of 0.05 m in x is not above two support radii, 0.05 m"), std::string::npos);
-    EXPECT_NE(message(0.0499999, 0.025).find("the period of 0.0499999 m in x is not above two support radii, 0.05 m"), std::string::npos);
+    EXPECT_NE(message(0.05, 0.025).find("the period of 0.05 m in x is not above two support radii, 0.05 m"),
+        std::string::npos);
+    EXPECT_NE(message(0.0499999, 0.025).find("the period of 0.0499999 m in x is not above two support radii, 0.05 m"),
+        std::string::npos);
     EXPECT_EQ(message(0.0500001, 0.025), "accepted");
 }
 

@@ -26,13 +26,14 @@ Sample make_sample(const Case& c) {
     const int nz = c.dimensions == 3 ? 6 : 1;
     const Vec3 size{8 * spacing, 6 * spacing, nz * spacing};
     Sample sample{
-        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, c.periodic}), options), {}, {}};
+        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, c.periodic}), options), {},
+        {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, nz}, spacing, 0.25});
     std::erase_if(sample.liquid, [](const auto& point) {
         return point.x[0] > 3.9 * spacing && point.x[0] < 6.1 * spacing && point.x[1] < 2.1 * spacing;
     });
     add_shell(sample, {4.5 * spacing, 0.8 * spacing, c.dimensions == 3 ? 2 * spacing : 0},
-              {2, 2, c.dimensions == 3 ? 3 : 1}, 1);
+        {2, 2, c.dimensions == 3 ? 3 : 1}, 1);
     test::Random random(9);
     for (auto& point : sample.liquid) {
         for (int k = 0; k < c.dimensions; ++k) point.u[std::size_t(k)] = 8 * random.unit() - 4;
@@ -53,7 +54,7 @@ struct Operator {
     }
     StepContext views() {
         return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
-                parts.halo, parts.liquid_cells};
+            parts.halo, parts.liquid_cells};
     }
     std::map<std::int64_t, double> product(const std::map<std::int64_t, double>& vector) {
         parts.set_by_id(q, [&](std::int64_t id) { return vector.at(id); });
@@ -79,9 +80,8 @@ class IisphCase : public testing::TestWithParam<Case> {
 protected:
     Sample sample = make_sample(GetParam());
 };
-INSTANTIATE_TEST_SUITE_P(All, IisphCase, testing::ValuesIn(cases), [](const auto& one) {
-    return std::string(one.param.name);
-});
+INSTANTIATE_TEST_SUITE_P(
+    All, IisphCase, testing::ValuesIn(cases), [](const auto& one) { return std::string(one.param.name); });
 
 // Round-off of sums of about a hundred terms, and of terms that are single-precision numbers.
 constexpr double rounding = 1e-13;
@@ -137,10 +137,13 @@ void expect_the_force_to_take_the_product_off_the_source(const Sample& sample) {
 }
 } // namespace
 
-TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) { expect_the_force_to_take_the_product_off_the_source(sample); }
+TEST_P(IisphCase, ThePressureForceTakesTheProductOffTheSource) {
+    expect_the_force_to_take_the_product_off_the_source(sample);
+}
 
 TEST_P(IisphCase, WithSeveralLiquidsForcesDoTheWorkOfTheirCompression) {
-    sample.setup.constants.immiscible = make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 8, 0}}, Loads::adjoint);
+    sample.setup.constants.immiscible =
+        make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 8, 0}}, Loads::adjoint);
     for (std::size_t k = 0; k < sample.liquid.size(); ++k) sample.liquid[k].liquid = int(k % 2);
     expect_the_force_to_take_the_product_off_the_source(sample);
     Operator op(Comm::world(), sample);
@@ -163,8 +166,8 @@ SphOptions with(PressureSolver solver, double residual) {
 // A block that a flow presses together, out of order, between walls across.
 Sample pressed(const SphOptions& options, double rate) {
     const Vec3 size{8 * spacing, 6 * spacing, 6 * spacing};
-    Sample sample{make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {false, true, true}}), options),
-                  {}, {}};
+    Sample sample{
+        make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {false, true, true}}), options), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, 6}, spacing, 0.2});
     converge(sample, {4 * spacing, 3 * spacing, 3 * spacing}, rate);
     for (auto& point : sample.liquid) point.u[1] = point.u[2] = 0;
@@ -204,8 +207,8 @@ double velocity_difference(const Solved& a, const Solved& b) {
 
 // A column on a floor, periodic across, at the distance at which it rests.
 Sample column(const SphOptions& options, int height) {
-    const auto domain = make_domain(3, {0, 0, 0}, {6 * spacing, 6 * spacing, (height + 4) * spacing},
-                                    {.periodic = {true, true, false}});
+    const auto domain = make_domain(
+        3, {0, 0, 0}, {6 * spacing, 6 * spacing, (height + 4) * spacing}, {.periodic = {true, true, false}});
     Sample sample{make_setup(domain, options), {}, {}};
     const auto& c = sample.setup.constants;
     sample.setup.forces.gravity = {0, 0, -9.81};
@@ -222,12 +225,12 @@ Sample column(const SphOptions& options, int height) {
 }
 
 class EachIisph : public testing::TestWithParam<PressureSolver> {};
-INSTANTIATE_TEST_SUITE_P(All, EachIisph, testing::Values(PressureSolver::iisph_jacobi, PressureSolver::iisph, PressureSolver::dfsph),
-                         [](const auto& one) {
-                             return std::string(one.param == PressureSolver::iisph ? "spectral"
-                                                : one.param == PressureSolver::dfsph  ? "dfsph"
-                                                                                      : "jacobi");
-                         });
+INSTANTIATE_TEST_SUITE_P(All, EachIisph,
+    testing::Values(PressureSolver::iisph_jacobi, PressureSolver::iisph, PressureSolver::dfsph), [](const auto& one) {
+        return std::string(one.param == PressureSolver::iisph   ? "spectral"
+                           : one.param == PressureSolver::dfsph ? "dfsph"
+                                                                : "jacobi");
+    });
 } // namespace
 
 TEST(Iisph, JacobiAndSpectralGradientsAgree) {

@@ -5,8 +5,8 @@
 namespace treacle::sph::mixture_test {
 namespace {
 
-constexpr double dt = 1e-3;    // [s]
-constexpr double ratio = 10;   // of the densities
+constexpr double dt = 1e-3;         // [s]
+constexpr double ratio = 10;        // of the densities
 constexpr double tolerance = 1e-12; // round-off of some thousand pair forces of the sum of their sizes
 
 const std::vector<LiquidMaterial> materials{{rest_density, 0.5}, {rest_density / ratio, 0.02}, {3 * rest_density, 2}};
@@ -17,9 +17,9 @@ double density_of(int liquid) { return materials[std::size_t(liquid)].density / 
 // a body of solid particles in it.
 Sample layers(const std::vector<LiquidMaterial>& liquids, const SphOptions& options = {}, double jitter = 0.25) {
     const Vec3 size{12 * spacing, 8 * spacing, 7 * spacing};
-    Sample sample{make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {false, false, false}}), options),
-                  {},
-                  {}};
+    Sample sample{
+        make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {false, false, false}}), options), {},
+        {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {12, 8, 7}, spacing, jitter});
     std::erase_if(sample.liquid, [](const auto& point) {
         return point.x[0] > 5.9 * spacing && point.x[0] < 8.1 * spacing && point.x[1] < 2.1 * spacing;
@@ -195,9 +195,10 @@ TEST(ImmiscibleLiquids, KeepsItsMomentumThroughSteps) {
     for (auto& point : sample.liquid) {
         for (std::size_t k = 0; k < 3; ++k) point.u[k] = 0.1 * point.u[k] - 2 * (point.x[k] - 4 * spacing);
     }
-    sample.setup.domain = make_domain_box(make_domain(3, {-1, -1, -1}, {2, 2, 2}, {scene::BoundaryKind::open, {}}), spacing);
-    sample.setup.grid = make_cell_grid(make_domain(3, {-1, -1, -1}, {2, 2, 2}, {scene::BoundaryKind::open, {}}),
-                                       sample.setup.constants.support);
+    sample.setup.domain =
+        make_domain_box(make_domain(3, {-1, -1, -1}, {2, 2, 2}, {scene::BoundaryKind::open, {}}), spacing);
+    sample.setup.grid = make_cell_grid(
+        make_domain(3, {-1, -1, -1}, {2, 2, 2}, {scene::BoundaryKind::open, {}}), sample.setup.constants.support);
     sample.setup.forces.artificial = 0.02;
     sample.setup.forces.viscosity = rest_density * largest_kinematic_viscosity(materials);
     IsphStep step(Comm::world(), sample.setup);

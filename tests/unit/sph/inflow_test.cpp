@@ -13,8 +13,7 @@ flow::InletSetup square_inlet(const Vec3& centre, const Vec3& direction, int acr
     flow::InletSetup inlet;
     inlet.centre = centre;
     inlet.direction = direction;
-    const Vec3 first{direction[2], direction[0], direction[1]},
-        second{direction[1], direction[2], direction[0]};
+    const Vec3 first{direction[2], direction[0], direction[1]}, second{direction[1], direction[2], direction[0]};
     for (int j = 0; j < (dimensions == 3 ? across : 1); ++j) {
         for (int i = 0; i < across; ++i) {
             const double a = (i - 0.5 * (across - 1)) * spacing,
@@ -35,8 +34,7 @@ Sample jet() {
     options.pressure.stop = StoppingRule::residual;
     options.pressure.residual = 1e-12;
     Sample sample{
-        make_setup(make_domain(3, {0, 0, 0}, {size, size, size}, {.kind = scene::BoundaryKind::open}), options),
-        {},
+        make_setup(make_domain(3, {0, 0, 0}, {size, size, size}, {.kind = scene::BoundaryKind::open}), options), {},
         {}};
     sample.setup.inflow.inlets = {square_inlet({8 * spacing, size / 2, size / 2}, {1, 0, 0}, 4, 3)};
     sample.setup.inflow.first_id = 1000;
@@ -62,7 +60,7 @@ TEST(Inflow, LayersFollowFromTheTimeAlone) {
     EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.51)), held + 1);
     inlet.end = passed(40);
     EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(39)),
-              40); // those that have yet to pass it are there already
+        40); // those that have yet to pass it are there already
     EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(1e6)), 40);
 }
 
@@ -101,8 +99,8 @@ TEST(Inflow, ItsVolumeInTheLongRunIsTheFlowRate) {
     const auto& inlet = sample.setup.inflow.inlets[0];
     const double rate = inlet.speed * double(inlet.points.size()) * c.rest_volume / c.spacing;
     const double time = 1234.567;
-    const double passed =
-        double(layers_until(inlet, layers_of(c), time) - buffer_layers(c)) * double(inlet.points.size()) * c.rest_volume;
+    const double passed = double(layers_until(inlet, layers_of(c), time) - buffer_layers(c)) *
+                          double(inlet.points.size()) * c.rest_volume;
     // Half a layer at each end.
     EXPECT_NEAR(passed, rate * time, double(inlet.points.size()) * c.rest_volume);
 }
@@ -110,16 +108,14 @@ TEST(Inflow, ItsVolumeInTheLongRunIsTheFlowRate) {
 // A stiff rope hangs from its inlet: where its weight would make it fall at g t, it keeps the inlet's speed
 // but for what it strains by, rho g L^2 / (4 mu) in the plane.
 TEST(Inflow, HeldParticlesCarryAStiffRope) {
-    for (const auto preconditioner :
-         {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::multilevel}) {
+    for (const auto preconditioner : {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::multilevel}) {
         const double size = 24 * spacing, viscosity = 1e5, falling = 0.3; // which is no number of single precision
         SphOptions options;
         options.viscosity.integration = ViscosityIntegration::implicit;
         options.viscosity.residual = 1e-10;
         options.viscosity.preconditioner = preconditioner;
         Sample sample{
-            make_setup(make_domain(2, {0, 0, 0}, {size, size, 0}, {.kind = scene::BoundaryKind::open}), options),
-            {},
+            make_setup(make_domain(2, {0, 0, 0}, {size, size, 0}, {.kind = scene::BoundaryKind::open}), options), {},
             {}};
         sample.setup.inflow.inlets = {square_inlet({size / 2, 18 * spacing, 0}, {0, -1, 0}, 6, 2)};
         sample.setup.inflow.inlets[0].speed = falling;
@@ -133,8 +129,7 @@ TEST(Inflow, HeldParticlesCarryAStiffRope) {
             EXPECT_TRUE(report.viscosity.converged());
         }
         const auto inlet = by_id(comm, step->liquid(), step->liquid().inlet());
-        const double length = falling * steps * dt,
-                     strained = rest_density * 9.81 * length * length / (4 * viscosity);
+        const double length = falling * steps * dt, strained = rest_density * 9.81 * length * length / (4 * viscosity);
         int held = 0, hanging = 0;
         for (const auto& [id, state] : all_states(comm, step->liquid())) {
             if (inlet.at(id) > 0) {
@@ -179,8 +174,7 @@ TEST(Inflow, TwoJetsThatMeetAreTheSameOnAnyNumberOfRanks) {
 TEST(Outflow, OutletsTakeOutAndCountWhatIsInThem) {
     auto sample = jet();
     sample.setup.inflow.inlets.clear();
-    sample.setup.inflow.outlets = {
-        {.box = true, .min = {0, 0, 0}, .max = {4 * spacing, 4 * spacing, 4 * spacing}},
+    sample.setup.inflow.outlets = {{.box = true, .min = {0, 0, 0}, .max = {4 * spacing, 4 * spacing, 4 * spacing}},
         {.box = false, .point = {20 * spacing, 0, 0}, .normal = {-1, 0, 0}}};
     for (int i = 0; i < 6; ++i) sample.liquid.push_back({{(4 * i + 1) * spacing, spacing, spacing}});
     sample.liquid[4].u = {4 * spacing / dt, 0, 0}; // into the half space; the sixth one is there already

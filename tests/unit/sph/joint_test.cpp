@@ -11,7 +11,8 @@ Sample make_sample(const std::array<bool, 3>& periodic, int dimensions = 3) {
     options.pressure.solid_term = SolidTerm::unknowns;
     const int nz = dimensions == 3 ? 8 : 1;
     const Vec3 size{12 * spacing, 9 * spacing, nz * spacing};
-    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, periodic}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, periodic}), options), {}, {}};
     add_block(sample, {{spacing / 2, 1.5 * spacing, spacing / 2}, {12, 6, nz}, spacing, 0.2});
     std::erase_if(sample.liquid, [](const auto& point) {
         return point.x[0] > 5.9 * spacing && point.x[0] < 8.1 * spacing && point.x[1] > 2.6 * spacing &&
@@ -19,10 +20,12 @@ Sample make_sample(const std::array<bool, 3>& periodic, int dimensions = 3) {
     });
     for (int k = 0; k < nz; ++k) {
         for (int i = 0; i < 12; ++i) {
-            sample.solid.push_back({{(i + 0.5) * spacing, 0.5 * spacing, dimensions == 3 ? (k + 0.5) * spacing : 0}, 0});
+            sample.solid.push_back(
+                {{(i + 0.5) * spacing, 0.5 * spacing, dimensions == 3 ? (k + 0.5) * spacing : 0}, 0});
         }
     }
-    add_shell(sample, {6.5 * spacing, 3.2 * spacing, dimensions == 3 ? 2 * spacing : 0}, {2, 2, dimensions == 3 ? 3 : 1}, 1);
+    add_shell(
+        sample, {6.5 * spacing, 3.2 * spacing, dimensions == 3 ? 2 * spacing : 0}, {2, 2, dimensions == 3 ? 3 : 1}, 1);
     test::Random random(9);
     for (auto& point : sample.liquid) {
         for (int k = 0; k < dimensions; ++k) point.u[std::size_t(k)] = 8 * random.unit() - 4;
@@ -43,11 +46,11 @@ struct Joint : Parts {
     }
     void solve_up_to_matrix(LastPressures pressures = LastPressures::known) {
         predict_roles(pressures, dt);
-        unknown_solids = comm.sum(
-            around.predict(setup.options, setup.constants, liquid, solid, neighbours, solid_halo));
+        unknown_solids =
+            comm.sum(around.predict(setup.options, setup.constants, liquid, solid, neighbours, solid_halo));
         pinned = anchor();
-        system.assemble_with_solids(setup.options, setup.constants, comm,
-                              {liquid, solid, neighbours, around, halo, solid_halo});
+        system.assemble_with_solids(
+            setup.options, setup.constants, comm, {liquid, solid, neighbours, around, halo, solid_halo});
     }
     // Rows by the ids of liquid particles; those of solids lie far behind.
     DenseSystem gathered() {
@@ -81,8 +84,8 @@ TEST_P(JointMatrix, IsSymmetricBitForBitDefiniteAndTheSameOnAnyNumberOfRanks) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Solids, JointMatrix,
-                         testing::Values(std::array{false, false, false}, std::array{true, false, true}));
+INSTANTIATE_TEST_SUITE_P(
+    Solids, JointMatrix, testing::Values(std::array{false, false, false}, std::array{true, false, true}));
 
 TEST(JointRows, SumToTheCouplingsToParticlesAtZeroPressure) {
     Joint parts(Comm::world(), make_sample({false, false, false}));
@@ -100,7 +103,9 @@ TEST(JointRows, AClosedTankUnderPressureIsAnchoredByOneParticle) {
     SphOptions options;
     options.pressure.solid_term = SolidTerm::unknowns;
     const double far = 10 * spacing;
-    Sample sample{make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options), {},
+        {}};
     add_block(sample, {{spacing, spacing, spacing}, {5, 5, 5}, spacing, 0.1});
     add_shell(sample, {0, 0, 0}, {7, 7, 7}, 0);
     for (auto& point : sample.liquid) point.p = 1e9; // by its last pressures all of it is under pressure
@@ -115,7 +120,9 @@ TEST(JointRows, ADropOnADryFloorHangsOnTheFloorsDryParticles) {
     SphOptions options;
     options.pressure.solid_term = SolidTerm::unknowns;
     const double far = 10 * spacing;
-    Sample sample{make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(3, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options), {},
+        {}};
     add_block(sample, {{0, 0, 0}, {4, 4, 4}, spacing, 0.1});
     converge(sample, {1.5 * spacing, 1.5 * spacing, 1.5 * spacing}, 1e3);
     for (int k = -8; k < 9; ++k) {

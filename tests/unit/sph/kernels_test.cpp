@@ -44,9 +44,8 @@ TEST_P(Kernels, IntegrateToOne) {
 // By parts: for the kernel whose slope `gradient` is, the integral is -int W' S r / D dr.
 TEST_P(Kernels, GradientsBelongToAKernelThatIntegratesToOne) {
     with_kernel(kind, dimensions, h, [&](const auto& kernel) {
-        const double all = integrate([&](double r) {
-            return r == 0 ? 0.0 : -kernel.gradient(r) * r * sphere(dimensions, r) * r / dimensions;
-        });
+        const double all = integrate(
+            [&](double r) { return r == 0 ? 0.0 : -kernel.gradient(r) * r * sphere(dimensions, r) * r / dimensions; });
         EXPECT_NEAR(all, 1, 1e-9);
     });
 }

@@ -60,8 +60,11 @@ TEST(PlanarWall, SumsAreTheGoldenNumbers) {
     const WallSetup setup{KernelKind::mueller, 3, 2, 1, 1};
     const double golden[][5] = {
         // gap, rho / rho0, n / n0, alpha, |S|
-        {.8, 1.299, 1.335, .640, 1.039}, {1.0, 1.120, 1.151, .448, .750}, {1.1, 1.042, 1.070, .332, .600},
-        {1.2, .975, .994, .223, .460},   {1.4, .876, .880, .068, .228},
+        {.8, 1.299, 1.335, .640, 1.039},
+        {1.0, 1.120, 1.151, .448, .750},
+        {1.1, 1.042, 1.070, .332, .600},
+        {1.2, .975, .994, .223, .460},
+        {1.4, .876, .880, .068, .228},
     };
     for (const auto& row : golden) {
         const auto wall = compute_wall_sums(setup, row[0]);

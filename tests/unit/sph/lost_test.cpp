@@ -10,16 +10,15 @@ constexpr double dt = 0.01; // [s]
 
 // Particles out of each other's reach; x_max is open, y periodic, the rest walls.
 Sample scattered() {
-    auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing},
-                              {.periodic = {false, true, false}});
+    auto domain =
+        make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}, {.periodic = {false, true, false}});
     domain.faces[1].kind = scene::BoundaryKind::open;
     domain.faces[1].outflow = true;
     Sample sample{make_setup(domain), {}, {}};
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 4; ++j) {
             for (int k = 0; k < 4; ++k)
-                sample.liquid.push_back(
-                    {{(4 * i + 1) * spacing, (6 * j + 1) * spacing, (6 * k + 1) * spacing}});
+                sample.liquid.push_back({{(4 * i + 1) * spacing, (6 * j + 1) * spacing, (6 * k + 1) * spacing}});
         }
     }
     return sample;
@@ -61,10 +60,8 @@ TEST(LostParticles, AreTakenOutAndCountedByCause) {
     liquid[wild].u = {0, 60 * spacing / dt, 0};   // farther than the period in one step
     liquid[around].u = {0, 20 * spacing / dt, 0}; // around the periodic side: not lost
     const auto outcome = advance(sample);
-    const std::map<std::int64_t, LossCause> expected{{id_of(leaking), LossCause::leak},
-                                                     {id_of(wild), LossCause::leak},
-                                                     {id_of(not_a_number), LossCause::non_finite},
-                                                     {id_of(infinite), LossCause::non_finite}};
+    const std::map<std::int64_t, LossCause> expected{{id_of(leaking), LossCause::leak}, {id_of(wild), LossCause::leak},
+        {id_of(not_a_number), LossCause::non_finite}, {id_of(infinite), LossCause::non_finite}};
     EXPECT_EQ(outcome.lost, expected); // what flows out is no loss
     EXPECT_EQ(outcome.report.lost_by_cause, (std::array<std::int64_t, loss_causes>{1, 2, 2, 0}));
     EXPECT_EQ(outcome.left.size(), liquid.size() - 5);
@@ -78,13 +75,15 @@ TEST(LostParticles, AreTakenOutAndCountedByCause) {
 
 TEST(LostParticles, WhatLeavesThroughAnOpenSideThatLetsNothingGoIsLost) {
     auto sample = scattered();
-    auto domain = make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}, {.periodic = {false, true, false}});
+    auto domain =
+        make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}, {.periodic = {false, true, false}});
     domain.faces[1].kind = scene::BoundaryKind::open;
     sample.setup = make_setup(domain);
     sample.liquid[95].u = sample.liquid[94].u = {4 * spacing / dt, 0, 0};
     auto outcome = advance(sample);
     EXPECT_EQ(outcome.report.lost_by_cause, (std::array<std::int64_t, loss_causes>{0, 0, 0, 2}));
-    EXPECT_EQ(outcome.lost, (std::map<std::int64_t, LossCause>{{id_of(94), LossCause::open_side}, {id_of(95), LossCause::open_side}}));
+    EXPECT_EQ(outcome.lost,
+        (std::map<std::int64_t, LossCause>{{id_of(94), LossCause::open_side}, {id_of(95), LossCause::open_side}}));
     EXPECT_EQ(outcome.left.size(), sample.liquid.size() - 2);
     // An outlet in front of it takes them.
     sample.setup.inflow.outlets = {{.box = false, .point = {24 * spacing, 0, 0}, .normal = {-1, 0, 0}}};

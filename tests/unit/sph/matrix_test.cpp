@@ -27,8 +27,7 @@ Sample make_sample(const Case& c) {
     const int nz = c.dimensions == 3 ? 7 : 1;
     const Vec3 size{12 * spacing, 8 * spacing, nz * spacing};
     Sample sample{
-        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, c.periodic}), options),
-        {},
+        make_setup(make_domain(c.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, c.periodic}), options), {},
         {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {12, 8, nz}, spacing, 0.25});
     std::erase_if(sample.liquid, [](const auto& point) {
@@ -94,8 +93,7 @@ TEST_P(MatrixCase, RowSumsAreTheWallTermAndTheCouplingsToDirichletParticles) {
                 }
                 if (r2 >= c.support * c.support) continue;
                 const double volumes = c.mass / rho.at(i) + c.mass / rho.at(j);
-                expected -=
-                    volumes * r2 * kernel.gradient(std::sqrt(r2)) / (r2 + 0.01 * c.support * c.support);
+                expected -= volumes * r2 * kernel.gradient(std::sqrt(r2)) / (r2 + 0.01 * c.support * c.support);
             }
             const auto row = system.matrix.row(Eigen::Index(r));
             // Round-off of a sum of 80 entries as large as the diagonal.

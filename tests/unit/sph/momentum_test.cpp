@@ -9,8 +9,7 @@ constexpr double dt = 0.5; // [s]
 Sample blob(int dimensions, std::array<bool, 3> periodic) {
     const int nz = dimensions == 3 ? 7 : 1;
     const Vec3 size{10 * spacing, 8 * spacing, nz * spacing};
-    Sample sample{
-        make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, periodic})), {}, {}};
+    Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open, periodic})), {}, {}};
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {10, 8, nz}, spacing, 0.3});
     test::Random random(4);
     for (auto& point : sample.liquid) {
@@ -56,8 +55,7 @@ TEST(Momentum, ViscousForcesOfTheLiquidOnItselfCancelAndSlowItDown) {
     for (const double l : sum.angular) EXPECT_NEAR(l, 0, tolerance * sum.size);
     double gained = 0;
     for (const auto& [id, now] : all_states(parts.comm, parts.liquid)) {
-        for (std::size_t k = 0; k < 3; ++k)
-            gained += now.u[k] * now.u[k] - before.at(id).u[k] * before.at(id).u[k];
+        for (std::size_t k = 0; k < 3; ++k) gained += now.u[k] * now.u[k] - before.at(id).u[k] * before.at(id).u[k];
     }
     EXPECT_LT(gained, 0) << "kinetic energy falls";
 }

@@ -57,19 +57,17 @@ protected:
     const Comm comm = Comm::world();
 };
 INSTANTIATE_TEST_SUITE_P(all, EachHierarchy,
-                         testing::Values(PressurePreconditioner::multilevel, PressurePreconditioner::multilevel_rediscretised),
-                         [](const auto& info) {
-                             return std::string(info.param == PressurePreconditioner::multilevel ? "galerkin"
-                                                                                                 : "grids");
-                         });
+    testing::Values(PressurePreconditioner::multilevel, PressurePreconditioner::multilevel_rediscretised),
+    [](const auto& info) {
+        return std::string(info.param == PressurePreconditioner::multilevel ? "galerkin" : "grids");
+    });
 
 TEST_P(EachHierarchy, gives_the_pressures_that_jacobi_gives_in_space_and_in_the_plane) {
     for (const int dimensions : {2, 3}) {
         StepReport report, reference;
         const int n = dimensions == 3 ? 12 : 24;
         const auto step = stepped(comm, tank(n, dimensions, with(GetParam(), 1e-12)), report);
-        const auto other =
-            stepped(comm, tank(n, dimensions, with(PressurePreconditioner::jacobi, 1e-12)), reference);
+        const auto other = stepped(comm, tank(n, dimensions, with(PressurePreconditioner::jacobi, 1e-12)), reference);
         EXPECT_GT(reference.roles.poisson, 100);
         EXPECT_LT(report.pressure.iterations, reference.pressure.iterations);
         // The residual's 1e-12 times a condition number of some hundreds.
@@ -88,7 +86,8 @@ TEST_P(EachHierarchy, takes_few_iterations_on_any_number_of_ranks) {
 
 TEST_P(EachHierarchy, takes_few_iterations_with_a_heavy_liquid_on_a_light_one) {
     auto sample = tank(20, 3, with(GetParam(), 1e-6));
-    sample.setup.constants.immiscible = make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 10, 0}});
+    sample.setup.constants.immiscible =
+        make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, 0}, {rest_density / 10, 0}});
     for (auto& point : sample.liquid) point.liquid = point.x[2] < 7 * spacing ? 1 : 0;
     StepReport report;
     const auto step = stepped(comm, sample, report);

@@ -13,11 +13,13 @@ Sample pressed(int corrections, double density_error = 1e-12) {
     options.pressure.density_error = density_error;
     options.pressure.largest_residual = 1e-3;
     const Vec3 size{8 * spacing, 6 * spacing, 8 * spacing};
-    Sample sample{make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {true, true, false}}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(3, {0, 0, 0}, size, {scene::BoundaryKind::open, {true, true, false}}), options), {}, {}};
     sample.setup.constants.wall_pressure_factor = 1.6;
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {8, 6, 6}, spacing, 0.2});
     for (int j = 0; j < 6; ++j) {
-        for (int i = 0; i < 8; ++i) sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, -0.6 * spacing}, 0});
+        for (int i = 0; i < 8; ++i)
+            sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, -0.6 * spacing}, 0});
     }
     for (auto& point : sample.liquid) point.u = {0, 0, -8 * point.x[2]};
     return sample;
@@ -66,8 +68,8 @@ TEST(OrthominCorrection, DependsOnTheRanksByItsPreconditionerOnly) {
     }
     // A cycle of the preconditioner differs at the borders: 1.4 % were seen, on 8 ranks of 36 particles each.
     EXPECT_LT(most, 0.03 * scale);
-    EXPECT_NEAR(many.report.pressure.error_measure, one.report.pressure.error_measure,
-                0.1 * one.report.pressure.error_measure);
+    EXPECT_NEAR(
+        many.report.pressure.error_measure, one.report.pressure.error_measure, 0.1 * one.report.pressure.error_measure);
 }
 
 } // namespace treacle::sph::density_correction_test

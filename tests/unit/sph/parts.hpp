@@ -36,13 +36,13 @@ struct Parts {
         NeighbourList solids;
         solids.build(solid.store, solid.store, setup.grid, solid_cells, support);
         compute_solid_volumes(setup.options, setup.constants, solid, solids);
-        solid_halo.gather(solid.store, {solid.volume_field(), solid.body_field(), solid.velocity_field(),
-                                        solid.normal_field()});
+        solid_halo.gather(
+            solid.store, {solid.volume_field(), solid.body_field(), solid.velocity_field(), solid.normal_field()});
         neighbours.liquid.build(liquid.store, liquid.store, setup.grid, liquid_cells, support);
         neighbours.solid.build(liquid.store, solid.store, setup.grid, solid_cells, support);
         compute_density(setup.options, setup.constants, liquid, solid, neighbours);
-        halo.gather(liquid.store, {liquid.volume_field(), liquid.velocity_field(), liquid.pressure_field(),
-                                   liquid.liquid_field()});
+        halo.gather(liquid.store,
+            {liquid.volume_field(), liquid.velocity_field(), liquid.pressure_field(), liquid.liquid_field()});
     }
 
     StepContext step() { return {setup.options, setup.constants, comm, liquid, solid, neighbours, halo, liquid_cells}; }

@@ -112,8 +112,7 @@ TEST(PressurePinning, MakesOneParticleOfEveryLooseComponentDirichletTheSameOnAny
     for (const bool periodic : {false, true}) {
         const Clusters clusters(periodic);
         const auto expected = clusters.expected();
-        EXPECT_EQ(expected.size(), periodic ? 6u : 7u)
-            << "the halves are one component through the periodic side";
+        EXPECT_EQ(expected.size(), periodic ? 6u : 7u) << "the halves are one component through the periodic side";
         for (const auto& comm : {Comm::world(), Comm::self()}) {
             const auto parts = clusters.parts(comm);
             EXPECT_EQ(parts->anchor(), std::int64_t(expected.size()));
@@ -150,8 +149,8 @@ double least_eigenvalue_beside(double distance, std::int64_t pinned) {
     const auto outside = id_of(sample.liquid.size() - 1);
     Parts parts(Comm::world(), sample);
     parts.predict_roles(LastPressures::none, 1e-3);
-    parts.set_by_id(parts.liquid.role(),
-                    [&](std::int64_t id) { return id == outside ? Role::dirichlet : Role::poisson; });
+    parts.set_by_id(
+        parts.liquid.role(), [&](std::int64_t id) { return id == outside ? Role::dirichlet : Role::poisson; });
     parts.halo.gather(parts.liquid.store, {parts.liquid.role_field()});
     EXPECT_EQ(parts.anchor(), pinned);
     parts.assemble();

@@ -64,7 +64,8 @@ inline IsphSetup make_setup(const scene::Domain& domain, const SphOptions& optio
     c.mass = rest_density * lattice.volume;
     c.number_density = lattice.number_density;
     c.laplacian_diagonal = lattice.laplacian_diagonal;
-    c.wall_laplacian_factor = wall_laplacian_factor({options.kernel, c.dimensions, c.support, c.spacing, c.spacing}, options.density);
+    c.wall_laplacian_factor =
+        wall_laplacian_factor({options.kernel, c.dimensions, c.support, c.spacing, c.spacing}, options.density);
     setup.domain = make_domain_box(domain, 1.5 * domain.spacing);
     setup.grid = make_cell_grid(domain, c.support);
     setup.forces.gravity = {0, 0, 0};
@@ -142,8 +143,7 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     const auto drops = share(sample.liquid.size());
     for (const auto k : drops) {
         test::Point point{id_of(k), {}};
-        for (int c = 0; c < 3; ++c)
-            point.x[std::size_t(c)] = domain.wrap(c, sample.liquid[k].x[std::size_t(c)]);
+        for (int c = 0; c < 3; ++c) point.x[std::size_t(c)] = domain.wrap(c, sample.liquid[k].x[std::size_t(c)]);
         points.push_back(point);
     }
     test::fill(liquid.store, points);
@@ -162,8 +162,7 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     const auto bricks = share(sample.solid.size());
     for (const auto k : bricks) {
         test::Point point{id_of(k), {}};
-        for (int c = 0; c < 3; ++c)
-            point.x[std::size_t(c)] = domain.wrap(c, sample.solid[k].x[std::size_t(c)]);
+        for (int c = 0; c < 3; ++c) point.x[std::size_t(c)] = domain.wrap(c, sample.solid[k].x[std::size_t(c)]);
         points.push_back(point);
     }
     test::fill(solid.store, points);

@@ -63,8 +63,7 @@ TEST(SolidTerms, TwoParticlesOnASolidHaveTheirClosedFormPressures) {
         const auto rho = by_id(parts.comm, parts.liquid, parts.liquid.density());
         const auto i = id_of(0), j = id_of(1);
         const CubicSpline<3> kernel(h);
-        const double r = length(0.2 * spacing, 0, 0.9 * spacing),
-                     rs = length(0, 0.1 * spacing, 0.8 * spacing);
+        const double r = length(0.2 * spacing, 0, 0.9 * spacing), rs = length(0, 0.1 * spacing, 0.8 * spacing);
         const double rs_j = length(0.2 * spacing, 0.1 * spacing, 1.7 * spacing);
         const double vs = 1 / kernel.value(0.0); // alone in its layer
         const double vi = c.mass / rho.at(i), vj = c.mass / rho.at(j);
@@ -192,8 +191,7 @@ TEST(SolidVolumes, OfAPlaneAreThoseOfTheWallMeasurement) {
     const auto volume = test::on_host(parts.solid.volume());
     const auto id = test::on_host(parts.solid.id());
     const double h = parts.setup.constants.support;
-    const double plane =
-        compute_wall_sums({KernelKind::cubic_spline, 3, h, spacing, spacing}, spacing).wall_volume;
+    const double plane = compute_wall_sums({KernelKind::cubic_spline, 3, h, spacing, spacing}, spacing).wall_volume;
     int seen = 0;
     for (int i = 0; i < parts.solid.store.owned(); ++i) {
         if (id(i) == id_of(5 + 11 * 5)) {

@@ -8,8 +8,8 @@ namespace {
 
 // The dissertation's figure 3.4: liquid at rest in a square with solids on three sides and p = 0 in the layer of the
 // fourth, the same positive source everywhere. The exact solution is that of the Neumann problem.
-constexpr int width = 24;      // particles
-constexpr double dt = 1e-3;    // [s]
+constexpr int width = 24;       // particles
+constexpr double dt = 1e-3;     // [s]
 constexpr double excess = 1e-3; // of the density, the source
 
 Sample make_square(SolidTerm term) {
@@ -17,8 +17,10 @@ Sample make_square(SolidTerm term) {
     options.pressure.solid_term = term;
     options.pressure.amplification_limit = 5; // the dissertation's
     const double far = (width + 8) * spacing;
-    Sample sample{make_setup(make_domain(2, {-far, -far, 0}, {2 * far, 2 * far, spacing}, {scene::BoundaryKind::open, {}}),
-                             options), {}, {}};
+    Sample sample{
+        make_setup(
+            make_domain(2, {-far, -far, 0}, {2 * far, 2 * far, spacing}, {scene::BoundaryKind::open, {}}), options),
+        {}, {}};
     add_block(sample, {{0, 0, 0}, {width, width, 1}});
     const auto& c = sample.setup.constants;
     const double gap = equilibrium_wall_distance({options.kernel, 2, c.support, spacing, spacing}, options.density);
@@ -43,7 +45,8 @@ Pressures solve_square(SolidTerm term, const Pressures& last = {}) {
     parts.set_by_id(parts.liquid.pressure(), [&](std::int64_t id) { return last.contains(id) ? last.at(id) : 0.0; });
     parts.halo.gather(parts.liquid.store, {parts.liquid.pressure_field()});
     parts.predict_roles(LastPressures::known, dt);
-    parts.set_by_id(parts.liquid.role(), [&](std::int64_t id) { return surface.at(id) ? Role::dirichlet : Role::poisson; });
+    parts.set_by_id(
+        parts.liquid.role(), [&](std::int64_t id) { return surface.at(id) ? Role::dirichlet : Role::poisson; });
     parts.halo.gather(parts.liquid.store, {parts.liquid.role_field()});
     std::vector<RowsOf> rows{{&parts.liquid.store, parts.liquid.row(), 0}};
     if (term == SolidTerm::unknowns) {
@@ -51,10 +54,10 @@ Pressures solve_square(SolidTerm term, const Pressures& last = {}) {
         const double support = parts.setup.constants.support;
         around.liquid.build(parts.solid.store, parts.liquid.store, parts.setup.grid, parts.liquid_cells, support);
         around.solid.build(parts.solid.store, parts.solid.store, parts.setup.grid, parts.solid_cells, support);
-        around.predict(parts.setup.options, parts.setup.constants, parts.liquid, parts.solid, parts.neighbours,
-                       parts.solid_halo);
+        around.predict(
+            parts.setup.options, parts.setup.constants, parts.liquid, parts.solid, parts.neighbours, parts.solid_halo);
         parts.system.assemble_with_solids(parts.setup.options, parts.setup.constants, parts.comm,
-                                    {parts.liquid, parts.solid, parts.neighbours, around, parts.halo, parts.solid_halo});
+            {parts.liquid, parts.solid, parts.neighbours, around, parts.halo, parts.solid_halo});
         rows.push_back({&parts.solid.store, parts.solid.row(), 1 << 24});
     } else {
         parts.assemble();
@@ -90,7 +93,8 @@ void write_table(const char* file, const Pressures& exact, const Pressures& ampl
     std::fprintf(out, "x [d],y [d],exact [Pa],unified [Pa],solids as unknowns [Pa]\n");
     for (int k = 0; k < width * (width - 1); ++k) {
         const auto id = id_of(std::size_t(k));
-        std::fprintf(out, "%d,%d,%.17g,%.17g,%.17g\n", k % width, k / width, exact.at(id), amplified.at(id), unknowns.at(id));
+        std::fprintf(
+            out, "%d,%d,%.17g,%.17g,%.17g\n", k % width, k / width, exact.at(id), amplified.at(id), unknowns.at(id));
     }
     EXPECT_EQ(std::fclose(out), 0);
 }

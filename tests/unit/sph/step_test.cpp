@@ -23,14 +23,15 @@ SphOptions tight() {
 // A column of 6 x 6 x 6 particles in the corner of a tank three times as long, periodic across, on a floor
 // and between walls at the distance at which the liquid rests.
 Sample dam_break() {
-    const auto domain = make_domain(3, {0, 0, 0}, {18 * spacing, 6 * spacing, 10 * spacing},
-                                    {.periodic = {false, true, false}});
+    const auto domain =
+        make_domain(3, {0, 0, 0}, {18 * spacing, 6 * spacing, 10 * spacing}, {.periodic = {false, true, false}});
     Sample sample{make_setup(domain, tight()), {}, {}};
     const auto& c = sample.setup.constants;
     sample.setup.forces.gravity = {0, 0, -9.81};
     sample.setup.forces.artificial = 0.1 * c.support * 1.9; // sqrt(g H) is 1.9 m/s
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {6, 6, 6}});
-    const double gap = equilibrium_wall_distance({sample.setup.options.kernel, 3, c.support, spacing, spacing}, sample.setup.options.density);
+    const double gap = equilibrium_wall_distance(
+        {sample.setup.options.kernel, 3, c.support, spacing, spacing}, sample.setup.options.density);
     const double out = gap - spacing / 2;
     for (int j = 0; j < 6; ++j) {
         const double y = (j + 0.5) * spacing;
@@ -61,9 +62,7 @@ double apart(const std::map<std::int64_t, State>& a, const std::map<std::int64_t
 }
 
 // The same on each rank by itself.
-std::map<std::int64_t, State> run_alone(const Sample& sample, int steps) {
-    return run(Comm::self(), sample, steps);
-}
+std::map<std::int64_t, State> run_alone(const Sample& sample, int steps) { return run(Comm::self(), sample, steps); }
 
 } // namespace
 
@@ -133,12 +132,10 @@ TEST(IsphStep, ARestoredRunContinuesBitForBit) {
 
 TEST(IsphStep, RanksWithoutLiquidTakePart) {
     // Three particles: with more ranks than that some are empty.
-    Sample sample{
-        make_setup(make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}), tight()), {}, {}};
+    Sample sample{make_setup(make_domain(3, {0, 0, 0}, {24 * spacing, 24 * spacing, 24 * spacing}), tight()), {}, {}};
     sample.setup.forces.gravity = {0, 0, -9.81};
-    sample.liquid = {{{2 * spacing, spacing, spacing}},
-                     {{2.8 * spacing, spacing, spacing}, {-2, 0, 0}},
-                     {{20 * spacing, 9 * spacing, 9 * spacing}}};
+    sample.liquid = {{{2 * spacing, spacing, spacing}}, {{2.8 * spacing, spacing, spacing}, {-2, 0, 0}},
+        {{20 * spacing, 9 * spacing, 9 * spacing}}};
     for (int i = 0; i < 6; ++i) sample.solid.push_back({{i * spacing, spacing, 0.1 * spacing}, 0});
     EXPECT_LT(apart(run(Comm::world(), sample, 10), run_alone(sample, 10)), 1e-6 * spacing);
     // And none at all.
@@ -166,8 +163,7 @@ TEST(IsphStep, LiquidMeetsTheSolidsOfOtherRanksWhereItsOwnRankHasNone) {
         return by_id(comm, step->liquid(), counts);
     };
     for (int place = 4; place < 28; place += 2) {
-        Sample sample{
-            make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 8 * spacing, 8 * spacing}), tight()), {}, {}};
+        Sample sample{make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 8 * spacing, 8 * spacing}), tight()), {}, {}};
         add_block(sample, {{spacing, 2 * spacing, 2 * spacing}, {30, 4, 4}});
         add_shell(sample, {(place + 0.5) * spacing, 6 * spacing, 3 * spacing}, {1, 2, 2}, 1);
         const auto one = solids_around(Comm::self(), sample);
@@ -183,8 +179,7 @@ TEST(IsphStep, ReportsRolesCompressionAndLoadsOfAllRanks) {
     const auto many = started(Comm::world(), sample), one = started(Comm::self(), sample);
     for (int k = 0; k < 3; ++k) {
         const auto a = many->advance(dt), b = one->advance(dt);
-        EXPECT_EQ(a.roles.poisson + a.roles.dirichlet + a.roles.separated,
-                  std::int64_t(sample.liquid.size()));
+        EXPECT_EQ(a.roles.poisson + a.roles.dirichlet + a.roles.separated, std::int64_t(sample.liquid.size()));
         EXPECT_EQ(a.roles.poisson, b.roles.poisson);
         EXPECT_GT(a.roles.poisson, 0);
         EXPECT_EQ(a.pinned, b.pinned);

@@ -15,10 +15,10 @@ constexpr double tension = 1; // [N/m]
 struct DropSetup {
     SurfaceTensionModel model = SurfaceTensionModel::curvature;
     int dimensions = 2;
-    double radius = 8;     // in spacings
-    double stretch = 0;    // of the axis along x
-    double jitter = 0;     // share of the spacing
-    double shift = 0;      // of the centre along y, in spacings
+    double radius = 8;  // in spacings
+    double stretch = 0; // of the axis along x
+    double jitter = 0;  // share of the spacing
+    double shift = 0;   // of the centre along y, in spacings
 };
 
 double step_limit(const Sample& sample) {
@@ -33,7 +33,8 @@ Sample drop(const DropSetup& shape) {
     SphOptions options;
     options.surface_tension.model = shape.model;
     const Vec3 size{2 * half, 2 * half, plane ? spacing : 2 * half};
-    Sample sample{make_setup(make_domain(shape.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open}), options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(shape.dimensions, {0, 0, 0}, size, {scene::BoundaryKind::open}), options), {}, {}};
     sample.setup.forces.surface_tension = tension;
     const double a = r * (1 + shape.stretch), b = plane ? r / (1 + shape.stretch) : r / std::sqrt(1 + shape.stretch);
     const int n = static_cast<int>(std::ceil(1.5 * shape.radius));
@@ -60,7 +61,7 @@ struct TensionCase {
           forces(parts.liquid, parts.setup.options, parts.setup.constants, parts.setup.domain, tension) {}
     StepContext views() {
         return {parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
-                parts.halo, parts.liquid_cells};
+            parts.halo, parts.liquid_cells};
     }
 };
 
@@ -99,7 +100,8 @@ TEST(SurfaceTension, ForcesAreTheSameOnAnyNumberOfRanks) {
         TensionCase one(Comm::self(), sample), many(Comm::world(), sample);
         one.forces.accelerate(one.views(), 1);
         many.forces.accelerate(many.views(), 1);
-        const auto alone = all_states(Comm::self(), one.parts.liquid), shared = all_states(Comm::world(), many.parts.liquid);
+        const auto alone = all_states(Comm::self(), one.parts.liquid),
+                   shared = all_states(Comm::world(), many.parts.liquid);
         double largest = 0;
         for (const auto& [id, state] : alone) {
             for (std::size_t k = 0; k < 3; ++k) largest = std::max(largest, std::abs(state.u[k]));
@@ -141,7 +143,8 @@ TEST(SurfaceTension, ASurfaceMeetsWallsAtARightAngle) {
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}});
     for (int j = -1; j <= 2 * n; ++j) {
         for (int i = -1; i <= n; ++i) {
-            if (j == -1 || i == -1 || i == n) sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, 0}, 0});
+            if (j == -1 || i == -1 || i == n)
+                sample.solid.push_back({{(i + 0.5) * spacing, (j + 0.5) * spacing, 0}, 0});
         }
     }
     TensionCase parts(Comm::world(), sample);
@@ -209,7 +212,8 @@ TEST(SurfaceTension, ADropOscillatesAtRayleighsFrequency) {
     for (int k = 1; k * dt < 1.6 * period; ++k) {
         step->advance(dt);
         const double now = stretch_of(Comm::world(), step->liquid());
-        if (last * now < 0 && (crossings.empty() || k * dt > crossings.back() + 0.1 * period)) crossings.push_back(k * dt);
+        if (last * now < 0 && (crossings.empty() || k * dt > crossings.back() + 0.1 * period))
+            crossings.push_back(k * dt);
         last = now;
     }
     ASSERT_GE(crossings.size(), 3u);

@@ -9,12 +9,15 @@ constexpr int edge = 9;
 // A block of lattice liquid on a floor, with disorder as a share of the spacing.
 Sample make_block(const SphOptions& options, double jitter, int dimensions = 3) {
     const double far = 20 * spacing;
-    Sample sample{make_setup(make_domain(dimensions, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}),
-                             options), {}, {}};
+    Sample sample{
+        make_setup(
+            make_domain(dimensions, {-far, -far, -far}, {far, far, far}, {scene::BoundaryKind::open, {}}), options),
+        {}, {}};
     const int nz = dimensions == 3 ? edge : 1;
     add_block(sample, {{0, 0, 0}, {edge, edge, nz}, spacing, jitter});
     const auto& c = sample.setup.constants;
-    const double gap = equilibrium_wall_distance({options.kernel, dimensions, c.support, spacing, spacing}, options.density);
+    const double gap =
+        equilibrium_wall_distance({options.kernel, dimensions, c.support, spacing, spacing}, options.density);
     for (int k = dimensions == 3 ? -4 : 0; k < (dimensions == 3 ? edge + 4 : 1); ++k) {
         for (int i = -4; i < edge + 4; ++i) sample.solid.push_back({{i * spacing, -gap, k * spacing}, 0});
     }
@@ -125,7 +128,8 @@ TEST(FreeSurface, ClampedSourcesAreNeverNegativeAndChangeNoRole) {
             parts.predict_roles(LastPressures::known, dt);
             roles[int(clamping)] = by_id(parts.comm, parts.liquid, parts.liquid.role());
             double least = 0;
-            for (const auto& [id, b] : by_id(parts.comm, parts.liquid, parts.liquid.source())) least = std::min(least, b);
+            for (const auto& [id, b] : by_id(parts.comm, parts.liquid, parts.liquid.source()))
+                least = std::min(least, b);
             EXPECT_EQ(least < 0, clamping == Clamping::pressures);
         }
         EXPECT_EQ(roles[0], roles[1]);

@@ -63,7 +63,8 @@ TEST(NearPairs, AreThoseWithinTheSupportOfTheViscousSums) {
         const auto& liquid = scene.liquid.store;
         const auto& all = scene.neighbours;
         expect_near_pairs(narrow.neighbours.liquid, pairs(all.liquid, liquid, liquid), liquid.owned(), support);
-        expect_near_pairs(narrow.neighbours.solid, pairs(all.solid, liquid, scene.solid.store), liquid.owned(), support);
+        expect_near_pairs(
+            narrow.neighbours.solid, pairs(all.solid, liquid, scene.solid.store), liquid.owned(), support);
         EXPECT_EQ(narrow.neighbours.liquid.size < all.liquid.size, form == ViscosityForm::corrected);
     }
 }
@@ -71,7 +72,8 @@ TEST(NearPairs, AreThoseWithinTheSupportOfTheViscousSums) {
 namespace {
 // The error is of first order: a surface is known to a share of a spacing.
 void expect_heat_equation(double disc_radius, double ball_radius, double tolerance) {
-    const BlobSetup disc{2, disc_radius, 0, ViscosityForm::laplacian}, ball{3, ball_radius, 0, ViscosityForm::laplacian};
+    const BlobSetup disc{2, disc_radius, 0, ViscosityForm::laplacian},
+        ball{3, ball_radius, 0, ViscosityForm::laplacian};
     const auto check = [&](const char* name, const BlobSetup& blob, double number, double exact) {
         const double kept = kept_spin(blob, step_of(number, blob));
         testing::Test::RecordProperty(name, std::to_string(kept));
@@ -99,8 +101,10 @@ double shear_rate(double jitter) {
     const double size = n * spacing, k = 2 * math::pi / size;
     SphOptions options;
     options.viscosity.residual = 1e-10;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::wall, {true, true, false}}),
-                             options), {}, {}};
+    Sample sample{
+        make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::wall, {true, true, false}}),
+            options),
+        {}, {}};
     sample.setup.forces.viscosity = viscosity;
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}, spacing, jitter});
     for (auto& point : sample.liquid) point.u = {std::sin(k * point.x[1]), 0, 0};
@@ -152,7 +156,8 @@ TEST(ImplicitViscosity, EveryFormIsSymmetricAndPositiveWithWallsAndTwoLiquids) {
         const double xy = product(store.get<Array3>(y), cx), yx = product(store.get<Array3>(x), cy);
         const double size = std::sqrt(product(cx, cx) * product(store.get<Array3>(y), store.get<Array3>(y)));
         EXPECT_NEAR(xy, yx, 1e-14 * size);
-        EXPECT_GT(product(store.get<Array3>(x), cx), product(store.get<Array3>(x), store.get<Array3>(x)) * 0.3 * (1 - 1e-9));
+        EXPECT_GT(
+            product(store.get<Array3>(x), cx), product(store.get<Array3>(x), store.get<Array3>(x)) * 0.3 * (1 - 1e-9));
     }
 }
 
@@ -184,7 +189,8 @@ TEST(ImplicitViscosity, ProductsInSinglePrecisionAreThoseInDoubleNearly) {
             most = std::max(most, parts.comm.max(apart) / parts.comm.max(largest));
             if (walls == ViscousOperator::Walls::resting) continue;
             const auto loads = matrix.loads(all);
-            for (std::size_t k = 0; k < loads.size(); ++k) EXPECT_NEAR(loads[k], wanted[k], 1e-5 * std::abs(wanted[k]) + 1e-6);
+            for (std::size_t k = 0; k < loads.size(); ++k)
+                EXPECT_NEAR(loads[k], wanted[k], 1e-5 * std::abs(wanted[k]) + 1e-6);
         }
     }
     RecordProperty("apart", std::to_string(most * 1e9) + "e-9");
@@ -214,7 +220,8 @@ TEST(ImplicitViscosity, MixedPrecisionReachesAnyResidual) {
         int few = 0, many = 0;
         const auto right = solved(ViscosityPrecision::full, residual, few);
         const auto mixed = solved(ViscosityPrecision::mixed, residual, many);
-        RecordProperty("iterations_" + std::to_string(std::lround(-std::log10(residual))), std::to_string(few) + " and " + std::to_string(many));
+        RecordProperty("iterations_" + std::to_string(std::lround(-std::log10(residual))),
+            std::to_string(few) + " and " + std::to_string(many));
         double apart = 0;
         for (const auto& [id, now] : mixed) {
             for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, std::abs(now.u[k] - right.at(id).u[k]));

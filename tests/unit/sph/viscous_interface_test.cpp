@@ -6,7 +6,8 @@ namespace treacle::sph::viscous_interface_test {
 namespace {
 
 void set_viscosities(Sample& sample, double first, double second) {
-    sample.setup.constants.immiscible = make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, first}, {rest_density, second}});
+    sample.setup.constants.immiscible =
+        make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, first}, {rest_density, second}});
 }
 
 // A disc or ball, one side of which, cut obliquely, has `ratio` times the viscosity; turning.
@@ -32,7 +33,10 @@ double error_of_layers(const Layers& layers) {
     const double height = layers.rows * spacing, width = 8 * spacing;
     SphOptions options;
     options.viscosity.residual = 1e-9;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {width, 2 * height, spacing}, {scene::BoundaryKind::wall, {true, true, false}}), options), {}, {}};
+    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {width, 2 * height, spacing},
+                                 {scene::BoundaryKind::wall, {true, true, false}}),
+                      options),
+        {}, {}};
     sample.setup.forces.viscosity = viscosity;
     set_viscosities(sample, layers.first, layers.second);
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {8, 2 * layers.rows, 1}, spacing, layers.jitter});
@@ -45,11 +49,13 @@ double error_of_layers(const Layers& layers) {
     EXPECT_TRUE(one.solve(dt).solve.converged());
     std::vector<double> off(2 * std::size_t(layers.rows)), exact(off.size());
     double mean = 0; // the exact velocity at the interfaces gives both liquids together no momentum
-    for (const double mu : {layers.first, layers.second}) mean += (mu == layers.first ? 0.5 : -0.5) * rest_density * height * height / (12 * mu);
+    for (const double mu : {layers.first, layers.second})
+        mean += (mu == layers.first ? 0.5 : -0.5) * rest_density * height * height / (12 * mu);
     for (const auto& [id, now] : all_states(one.parts.comm, one.parts.liquid)) {
         const bool lower = now.x[1] < height;
         const double y = lower ? now.x[1] : now.x[1] - height;
-        const double right = (lower ? 1 : -1) * rest_density * y * (height - y) / (2 * (lower ? layers.first : layers.second)) - mean;
+        const double right =
+            (lower ? 1 : -1) * rest_density * y * (height - y) / (2 * (lower ? layers.first : layers.second)) - mean;
         off[std::size_t(now.x[1] / spacing)] += (now.u[0] - right) / 8;
     }
     double most = 0;
@@ -62,7 +68,8 @@ TEST(ViscousInterface, LayersSlideAsTheirViscositiesAsk) {
     for (const auto& [first, second] : {std::pair{1.0, 2.0}, {10.0, 1.0}, {1.0, 100.0}, {1000.0, 1.0}}) {
         const double coarse = error_of_layers({first * viscosity, second * viscosity, 16});
         const double fine = error_of_layers({first * viscosity, second * viscosity, 32});
-        RecordProperty("ratio_" + std::to_string(int(std::max(first, second))), std::to_string(coarse) + " " + std::to_string(fine));
+        RecordProperty("ratio_" + std::to_string(int(std::max(first, second))),
+            std::to_string(coarse) + " " + std::to_string(fine));
         // A fifth of a spacing, by how much the velocity changes there; a spacing where stresses are averaged over a support.
         EXPECT_LT(coarse, 0.2 * 4 / 16) << first << " " << second;
         EXPECT_LT(fine, 0.2 * 4 / 32) << first << " " << second;
@@ -126,7 +133,8 @@ TEST(ViscousInterface, IterationsStayFewInABlend) {
             ViscousCase one(sample);
             const auto report = one.solve(stiff_step).solve;
             ASSERT_TRUE(report.converged()) << report.reason;
-            RecordProperty("iterations_" + std::to_string(int(ratio)) + "_" + std::to_string(int(100 * part)), report.iterations);
+            RecordProperty(
+                "iterations_" + std::to_string(int(ratio)) + "_" + std::to_string(int(100 * part)), report.iterations);
             EXPECT_LE(report.iterations, 100) << ratio << " " << part; // 62; with h in single particles' gradients 1055
         }
     }

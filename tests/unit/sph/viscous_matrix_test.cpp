@@ -3,9 +3,8 @@
 namespace treacle::sph::viscous_matrix_test {
 namespace {
 
-constexpr ViscosityForm all_forms[] = {ViscosityForm::corrected, ViscosityForm::adjoint,
-                                       ViscosityForm::pairwise, ViscosityForm::laplacian,
-                                       ViscosityForm::as_published};
+constexpr ViscosityForm all_forms[] = {ViscosityForm::corrected, ViscosityForm::adjoint, ViscosityForm::pairwise,
+    ViscosityForm::laplacian, ViscosityForm::as_published};
 
 // A square without a border, out of order.
 Sample periodic_square(ViscosityForm form) {
@@ -13,11 +12,10 @@ Sample periodic_square(ViscosityForm form) {
     SphOptions options;
     options.viscosity.form = form;
     const double size = n * spacing;
-    Sample sample{make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing},
-                                         {scene::BoundaryKind::wall, {true, true, false}}),
-                             options),
-                  {},
-                  {}};
+    Sample sample{
+        make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::wall, {true, true, false}}),
+            options),
+        {}, {}};
     sample.setup.forces.viscosity = viscosity;
     add_block(sample, {{spacing / 2, spacing / 2, 0}, {n, n, 1}, spacing, 0.2});
     return sample;
@@ -111,8 +109,7 @@ TEST(ViscousMatrix, ThePrintedFormIsNotSymmetric) {
 
 namespace {
 // Velocities after a solve by id, and its report.
-std::map<std::int64_t, State> solved(const ViscosityOptions& options, double number,
-                                     solve::SolveReport& report) {
+std::map<std::int64_t, State> solved(const ViscosityOptions& options, double number, solve::SolveReport& report) {
     const BlobSetup blob{3, 4, 0.3};
     auto sample = turning_blob(blob);
     sample.setup.options.viscosity = options;
@@ -125,8 +122,7 @@ std::map<std::int64_t, State> solved(const ViscosityOptions& options, double num
     return all_states(one.parts.comm, one.parts.liquid);
 }
 
-double largest_difference(const std::map<std::int64_t, State>& one,
-                          const std::map<std::int64_t, State>& other) {
+double largest_difference(const std::map<std::int64_t, State>& one, const std::map<std::int64_t, State>& other) {
     double most = 0;
     for (const auto& [id, state] : one) {
         for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::abs(state.u[k] - other.at(id).u[k]));
@@ -144,7 +140,7 @@ TEST(ViscousMatrix, GivesTheSameVelocitiesWithEveryPreconditioner) {
     ASSERT_TRUE(report.converged()) << report.reason;
     options.assembled = true;
     for (const auto preconditioner : {ViscosityPreconditioner::jacobi, ViscosityPreconditioner::multilevel,
-                                      ViscosityPreconditioner::gamg, ViscosityPreconditioner::boomeramg}) {
+             ViscosityPreconditioner::gamg, ViscosityPreconditioner::boomeramg}) {
         options.preconditioner = preconditioner;
         const auto found = solved(options, 1, report);
         ASSERT_TRUE(report.converged()) << report.reason;

@@ -24,7 +24,8 @@ double energy_by_points(const GradientEnergy& energy, const double width[3], con
             }
         }
         for (int k = 0; k < D; ++k) {
-            for (int l = 0; l < D; ++l) sum += (energy.square * g[k][l] * g[k][l] + energy.transposed * g[k][l] * g[l][k]) / corners<D>;
+            for (int l = 0; l < D; ++l)
+                sum += (energy.square * g[k][l] * g[k][l] + energy.transposed * g[k][l] * g[l][k]) / corners<D>;
         }
     }
     return sum;
@@ -56,7 +57,8 @@ struct Preconditioned {
     ViscousMultilevel multilevel;
 
     Preconditioned(const Sample& sample, double dt)
-        : test(sample), scene(near.among(viscous_scene(test.parts))), parts{scene, test.points, test.friction, test.motion},
+        : test(sample),
+          scene(near.among(viscous_scene(test.parts))), parts{scene, test.points, test.friction, test.motion},
           of(test.parts.liquid), multilevel(sample.setup.grid) {
         of.prepare(parts, dt);
         multilevel.set_up(parts, of);
@@ -82,7 +84,9 @@ Sample blob_or_all(int dimensions, bool periodic) {
     const bool space = dimensions == 3;
     const double size = (space ? 11 : 21) * spacing;
     Sample sample{make_setup(make_domain(dimensions, {0, 0, 0}, {size, size, space ? size : spacing},
-                                         {scene::BoundaryKind::open, {true, true, space}}), turning_blob(blob).setup.options), {}, {}};
+                                 {scene::BoundaryKind::open, {true, true, space}}),
+                      turning_blob(blob).setup.options),
+        {}, {}};
     sample.setup.forces.viscosity = viscosity;
     const int n = space ? 11 : 21;
     add_block(sample, {{spacing / 2, spacing / 2, spacing / 2}, {n, n, space ? n : 1}, spacing, 0.2});
@@ -134,7 +138,8 @@ TEST(ViscousMultilevel, KeepsIterationsFewBetweenPeriodicSidesAndOnAnyRanks) {
             fill_within(sample, one.parts.liquid, one.parts.liquid.velocity_field(), 0);
             const auto report = one.solve(1e4 * spacing * spacing * rest_density / viscosity).solve;
             ASSERT_TRUE(report.converged()) << report.reason;
-            RecordProperty("iterations_" + std::to_string(dimensions) + (periodic ? "_periodic" : ""), report.iterations);
+            RecordProperty(
+                "iterations_" + std::to_string(dimensions) + (periodic ? "_periodic" : ""), report.iterations);
             EXPECT_LE(report.iterations, 22) << dimensions << (periodic ? " periodic" : "");
         }
     }
@@ -147,9 +152,10 @@ TEST(ViscousMultilevel, KeepsIterationsFewWhereAThinLiquidMeetsAThickOne) {
         for (const double thin : {0.0, 1e-6}) {
             auto sample = blob_or_all(dimensions, false);
             sample.setup.options.viscosity.residual = 1e-6;
-            sample.setup.constants.immiscible =
-                make_immiscible_liquids(std::vector<LiquidMaterial>{{rest_density, thin * viscosity}, {rest_density, viscosity}});
-            for (auto& point : sample.liquid) point.liquid = point.x[0] > (dimensions == 2 ? 11 : 6) * spacing ? 1 : 0; // the middle
+            sample.setup.constants.immiscible = make_immiscible_liquids(
+                std::vector<LiquidMaterial>{{rest_density, thin * viscosity}, {rest_density, viscosity}});
+            for (auto& point : sample.liquid)
+                point.liquid = point.x[0] > (dimensions == 2 ? 11 : 6) * spacing ? 1 : 0; // the middle
             ViscousCase one(sample);
             fill_within(sample, one.parts.liquid, one.parts.liquid.velocity_field(), 0);
             const auto report = one.solve(1e7 * spacing * spacing * rest_density / viscosity).solve;

@@ -7,8 +7,8 @@ namespace treacle::sph {
 
 constexpr double viscosity = 50; // [Pa s]
 // The symmetric ones.
-constexpr ViscosityForm every_form[] = {ViscosityForm::corrected, ViscosityForm::adjoint,
-                                        ViscosityForm::pairwise, ViscosityForm::laplacian};
+constexpr ViscosityForm every_form[] = {
+    ViscosityForm::corrected, ViscosityForm::adjoint, ViscosityForm::pairwise, ViscosityForm::laplacian};
 
 // A disc or ball of the lattice, or one whose particles are out of order, turning about its centre.
 struct BlobSetup {
@@ -42,8 +42,9 @@ inline Sample turning_blob(const BlobSetup& blob) {
 }
 
 inline ViscousScene viscous_scene(Parts& parts) {
-    return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours, parts.halo, parts.liquid_cells},
-            parts.setup.forces};
+    return {{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
+                parts.halo, parts.liquid_cells},
+        parts.setup.forces};
 }
 
 // Parts of a step with the implicit viscosity.
@@ -54,11 +55,9 @@ struct ViscousCase {
 
     explicit ViscousCase(const Sample& sample)
         : parts(Comm::world(), sample), solver(parts.comm, parts.liquid, sample.setup.options.viscosity,
-                                               sample.setup.grid, std::vector<double>(2, 1.0)),
+                                            sample.setup.grid, std::vector<double>(2, 1.0)),
           bodies({}, {}, 0, sample.setup.bodies, sample.setup.domain) {}
-    ViscousScene scene() {
-        return viscous_scene(parts);
-    }
+    ViscousScene scene() { return viscous_scene(parts); }
     ImplicitViscosity::Result solve(double dt) { return solver.solve(scene(), bodies, dt); }
 };
 
@@ -90,9 +89,7 @@ struct ViscousTest {
     MomentReferencePoints points{2};
 
     explicit ViscousTest(const Sample& sample) : parts(Comm::world(), sample) {}
-    ViscousContext all() {
-        return {viscous_scene(parts), points, friction, motion};
-    }
+    ViscousContext all() { return {viscous_scene(parts), points, friction, motion}; }
 };
 
 // Numbers between -1/2 and 1/2 that follow no order, the same on any number of ranks.

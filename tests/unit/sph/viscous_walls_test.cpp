@@ -17,18 +17,15 @@ struct ViscousCase {
         : parts(comm, sample),
           bodies(sample.setup.rigid, {}, sample.setup.first_body, sample.setup.bodies, sample.setup.domain),
           solver(parts.comm, parts.liquid, sample.setup.options.viscosity, sample.setup.grid,
-                 sample.setup.forces.friction, sample.setup.forces.slip_length,
-                 sample.setup.forces.rheology) {
+              sample.setup.forces.friction, sample.setup.forces.slip_length, sample.setup.forces.rheology) {
         parts.solid_halo.gather(parts.solid.store, {parts.solid.normal_field()});
     }
     // The loads of all ranks.
     ImplicitViscosity::Result solve(double dt) {
-        auto result =
-            solver.solve({{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid, parts.neighbours,
-                           parts.halo, parts.liquid_cells},
-                          parts.setup.forces,
-                          &parts.solid_halo},
-                         bodies, dt);
+        auto result = solver.solve({{parts.setup.options, parts.setup.constants, parts.comm, parts.liquid, parts.solid,
+                                        parts.neighbours, parts.halo, parts.liquid_cells},
+                                       parts.setup.forces, &parts.solid_halo},
+            bodies, dt);
         EXPECT_TRUE(result.solve.converged()) << result.solve.reason;
         parts.comm.sum(std::span(result.loads));
         return result;
@@ -58,14 +55,12 @@ Sample channel(int dimensions, double slip) {
     const int across = 8;
     const Vec3 far{across * spacing, (layers + 4) * spacing, across * spacing};
     Sample sample{make_setup(make_domain(dimensions, {0, -4 * spacing, 0}, far,
-                                         {scene::BoundaryKind::open, {true, false, space}}),
-                             options),
-                  {},
-                  {}};
+                                 {scene::BoundaryKind::open, {true, false, space}}),
+                      options),
+        {}, {}};
     measure_walls(sample);
     sample.setup.forces.viscosity = viscosity;
-    add_block(sample,
-              {{spacing / 2, spacing / 2, space ? spacing / 2 : 0}, {across, layers, space ? across : 1}});
+    add_block(sample, {{spacing / 2, spacing / 2, space ? spacing / 2 : 0}, {across, layers, space ? across : 1}});
     const double depth = sample.setup.constants.wall_depth;
     for (int k = 0; k < (space ? across : 1); ++k) {
         for (int i = 0; i < across; ++i) {
@@ -104,8 +99,7 @@ TEST(WallSlip, CouetteFlowIsExactForAnySlipLength) {
             EXPECT_LT(near, b == 0 ? 0.15 : 0.08) << b << " in " << dimensions;
             const double area = dimensions == 3 ? 64 * spacing * spacing : 8 * spacing;
             EXPECT_NEAR(result.loads[0], viscosity * area / height, 0.01 * viscosity * area / height) << b;
-            EXPECT_NEAR(result.loads[0], -result.loads[6], 1e-4 * result.loads[0])
-                << "the liquid itself takes nothing";
+            EXPECT_NEAR(result.loads[0], -result.loads[6], 1e-4 * result.loads[0]) << "the liquid itself takes nothing";
         }
     }
 }
@@ -120,8 +114,7 @@ TEST(ViscousWalls, CouetteFlowStartsUpAsItShould) {
             double exact = now.x[1] / height; // and the series of what a plate that starts at once leaves
             for (int n = 1; n < 100; ++n) {
                 const double wave = n * math::pi;
-                exact += 2 / wave * (n % 2 == 0 ? 1 : -1) *
-                         std::exp(-wave * wave * nu * time / (height * height)) *
+                exact += 2 / wave * (n % 2 == 0 ? 1 : -1) * std::exp(-wave * wave * nu * time / (height * height)) *
                          std::sin(wave * now.x[1] / height);
             }
             worst = std::max(worst, std::abs(now.u[0] - exact));
@@ -139,9 +132,7 @@ Sample disc_in_liquid(Surface surface, double density_ratio) {
     options.viscosity.residual = 1e-13;
     const double size = 32 * spacing, middle = size / 2, radius = 5 * spacing;
     Sample sample{
-        make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::open}), options),
-        {},
-        {}};
+        make_setup(make_domain(2, {0, 0, 0}, {size, size, spacing}, {scene::BoundaryKind::open}), options), {}, {}};
     measure_walls(sample);
     sample.setup.forces.viscosity = viscosity;
     Sample block{sample.setup, {}, {}};
@@ -158,8 +149,7 @@ Sample disc_in_liquid(Surface surface, double density_ratio) {
     for (int k = 0; k < around; ++k) {
         const double a = 2 * math::pi * k / around;
         const Vec3 n{std::cos(a), std::sin(a), 0};
-        sample.solid.push_back(
-            {{middle + (radius - depth) * n[0], middle + (radius - depth) * n[1], 0}, 1, n});
+        sample.solid.push_back({{middle + (radius - depth) * n[0], middle + (radius - depth) * n[1], 0}, 1, n});
     }
     rigid::BodySetup disc;
     disc.kind = scene::BodyKind::dynamic;
@@ -202,8 +192,7 @@ TEST(ViscousBodies, KeepTheMomentumOfLiquidAndBodyTogether) {
             // Round-off and the residual of 1e-13, over what moved.
             for (std::size_t k = 0; k < 3; ++k) {
                 EXPECT_NEAR(sum.momentum[k] + now[k] - own[k], 0, 1e-12 * sum.size) << k << " at " << ratio;
-                EXPECT_NEAR(sum.angular[k] + now[3 + k] - own[3 + k], 0, 1e-12 * sum.size)
-                    << k << " at " << ratio;
+                EXPECT_NEAR(sum.angular[k] + now[3 + k] - own[3 + k], 0, 1e-12 * sum.size) << k << " at " << ratio;
             }
         }
     }
@@ -221,8 +210,8 @@ TEST(ViscousBodies, MoveAsOneWithAStiffLiquidHoweverLight) {
             const double middle = sample.setup.rigid.bodies[0].centre[0], spin = one.bodies.rigid.spin(0)[2];
             double slide = 0;
             for (const auto& [id, state] : all_states(one.parts.comm, one.parts.liquid)) {
-                slide = std::max(slide, std::abs(state.u[0] - one.bodies.rigid.velocity(0)[0] +
-                                                 spin * (state.x[1] - middle)));
+                slide = std::max(
+                    slide, std::abs(state.u[0] - one.bodies.rigid.velocity(0)[0] + spin * (state.x[1] - middle)));
             }
             EXPECT_LT(slide, 0.0144) << "R^2 / nu dt of velocities of 1 m/s";
         }
@@ -258,8 +247,7 @@ TEST(ViscousBodies, TurnWithTheLiquidForEver) {
         auto& disc = sample.setup.rigid.bodies[0];
         disc.velocity = {0, 0, 0};
         disc.angular_velocity = {0, 0, 1};
-        for (auto& point : sample.liquid)
-            point.u = {disc.centre[1] - point.x[1], point.x[0] - disc.centre[0], 0};
+        for (auto& point : sample.liquid) point.u = {disc.centre[1] - point.x[1], point.x[0] - disc.centre[0], 0};
         ViscousCase one(Comm::world(), sample);
         const auto before = all_states(one.parts.comm, one.parts.liquid);
         const double dt = step_of(1e4);
@@ -279,8 +267,8 @@ TEST(ViscousBodies, MoveTheSameOnAnyNumberOfRanks) {
             const double dt = step_of(10);
             const auto result = one.solve(dt);
             one.bodies.rigid.push(one.bodies.loads_of(result.loads), dt);
-            return std::array<double, 3>{one.bodies.rigid.velocity(0)[0], one.bodies.rigid.velocity(0)[1],
-                                         one.bodies.rigid.spin(0)[2]};
+            return std::array<double, 3>{
+                one.bodies.rigid.velocity(0)[0], one.bodies.rigid.velocity(0)[1], one.bodies.rigid.spin(0)[2]};
         };
         const auto many = velocity_on(Comm::world()), one = velocity_on(Comm::self());
         // The solver's tolerance, times the condition of a light body.

@@ -4,7 +4,7 @@
 namespace treacle::sph::wall_contact_test {
 namespace {
 
-constexpr double dt = 4e-3;           // [s]
+constexpr double dt = 4e-3;             // [s]
 constexpr double depth = 0.5 * spacing; // of the layers below their surfaces [m]
 
 // A particle in front of a floor, and on request of a wall at x = 0, both of body 1.

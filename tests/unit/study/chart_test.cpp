@@ -12,13 +12,15 @@ namespace {
 std::vector<double> numbers(const std::string& text, const std::string& pattern) {
     const std::regex one(pattern);
     std::vector<double> out;
-    for (std::sregex_iterator at(text.begin(), text.end(), one), end; at != end; ++at) out.push_back(std::stod((*at)[1]));
+    for (std::sregex_iterator at(text.begin(), text.end(), one), end; at != end; ++at)
+        out.push_back(std::stod((*at)[1]));
     return out;
 }
 
 Chart two_lines() {
     Chart chart;
-    chart.series = {{"identified", {1, 2, 3}, {1, 5, 9}, true}, {"", {1, 2, 3}, {9, 9, 9}, true}, {"measured & more", {1, 2, 3}, {2, 4, 9}, false}};
+    chart.series = {{"identified", {1, 2, 3}, {1, 5, 9}, true}, {"", {1, 2, 3}, {9, 9, 9}, true},
+        {"measured & more", {1, 2, 3}, {2, 4, 9}, false}};
     return chart;
 }
 

@@ -80,13 +80,15 @@ protected:
         while (!search.stopped()) {
             std::vector<std::int64_t> numbers;
             const auto points = search.ask();
-            for (std::size_t k = 0; k < points.size(); ++k) numbers.push_back(runs.ask(candidate(std::exp(points[k][0]), search.cut(k))));
+            for (std::size_t k = 0; k < points.size(); ++k)
+                numbers.push_back(runs.ask(candidate(std::exp(points[k][0]), search.cut(k))));
             runs.run(numbers);
             std::vector<search::Value> values;
             for (std::size_t k = 0; k < points.size(); ++k) {
                 const auto* outcome = runs.journal().outcome(numbers[k]);
                 const bool early = outcome->status == RunStatus::stopped_early;
-                values.push_back(early ? search::Value::at_least(outcome->bound) : search::Value::measured(outcome->figures.at(0).value));
+                values.push_back(early ? search::Value::at_least(outcome->bound)
+                                       : search::Value::measured(outcome->figures.at(0).value));
                 trace.insert(trace.end(), {points[k][0], values.back().value(), double(early)});
             }
             search.tell(values);

@@ -24,7 +24,8 @@ protected:
         auto journal = Journal::open(folder_.path(), owner_);
         journal.ask("weir", {"1 Pa.s", "sph"}, "aa");
         journal.ask("weir", {"2 Pa.s", "sph"}, "bb", {"a.b={c: 1, d: 2}", "e=3"});
-        RunOutcome outcome{1, RunStatus::done, "", {{"front [m]", 1.0 / 3}, {"gone", std::nan("")}}, 2.5, 1e6, 2e3, 1, "then", "here", ""};
+        RunOutcome outcome{1, RunStatus::done, "", {{"front [m]", 1.0 / 3}, {"gone", std::nan("")}}, 2.5, 1e6, 2e3, 1,
+            "then", "here", ""};
         journal.finish(outcome);
         outcome = {2, RunStatus::hung, "took no step, \"really\"\n", {}, 2.5, 1e6, 2e3, 0, "then", "here", ""};
         journal.finish(outcome);
@@ -76,8 +77,14 @@ TEST_F(JournalTest, ALineThatWasCutOffIsDropped) {
 
 TEST_F(JournalTest, AnotherStudysOrProgramsJournalIsRefused) {
     two_runs();
-    EXPECT_NE(complaint_of([&] { Journal::open(folder_.path(), {"other", "program"}); }).find("journal.jsonl:1: is the journal of another study"), std::string::npos);
-    EXPECT_NE(complaint_of([&] { Journal::open(folder_.path(), {"study", "newer"}); }).find("was written by program"), std::string::npos);
+    EXPECT_NE(complaint_of([&] {
+        Journal::open(folder_.path(), {"other", "program"});
+    }).find("journal.jsonl:1: is the journal of another study"),
+        std::string::npos);
+    EXPECT_NE(complaint_of([&] {
+        Journal::open(folder_.path(), {"study", "newer"});
+    }).find("was written by program"),
+        std::string::npos);
 }
 
 TEST_F(JournalTest, ALineThatWasChangedIsNamed) {
@@ -85,7 +92,8 @@ TEST_F(JournalTest, ALineThatWasChangedIsNamed) {
     auto text = content();
     text.replace(text.find("weir") - 2, 4, "}}}}");
     std::ofstream(file(), std::ios::trunc) << text;
-    EXPECT_NE(complaint_of([&] { Journal::open(folder_.path(), owner_); }).find("journal.jsonl:2: cannot be read"), std::string::npos);
+    EXPECT_NE(complaint_of([&] { Journal::open(folder_.path(), owner_); }).find("journal.jsonl:2: cannot be read"),
+        std::string::npos);
     EXPECT_EQ(content(), text);
 }
 

@@ -100,7 +100,8 @@ TEST_F(LanesTest, ARunThatHasFinishedMayBeComparedForLonger) {
     limits.hang_factor = 3;
     limits.hang_least = 0.3;
     Lanes lanes(1, limits);
-    lanes.start(task(1, "echo 'step,time [s],dt [s]' > run/steps.csv; echo 1,0.1,0.1 >> run/steps.csv; touch run/summary.json; sleep 1.2"));
+    lanes.start(task(1, "echo 'step,time [s],dt [s]' > run/steps.csv; echo 1,0.1,0.1 >> run/steps.csv; touch "
+                        "run/summary.json; sleep 1.2"));
     const auto results = all_of(lanes);
     ASSERT_EQ(results.size(), 1u);
     EXPECT_EQ(results[0].end, LaneEnd::none);

@@ -19,14 +19,17 @@ const std::string ranges = "parameters:\n  - {name: eta, key: a.b, range: [1 Pa.
 
 TEST(SweepPoints, AGridHasEveryCombinationTheLastFastest) {
     const auto points = sweep_points(study_of(header + two + "sweep: grid\n"));
-    const std::vector<Point> expected{{"1 Pa.s", "sph"}, {"1 Pa.s", "grid"}, {"10 Pa.s", "sph"}, {"10 Pa.s", "grid"}, {"100 Pa.s", "sph"}, {"100 Pa.s", "grid"}};
+    const std::vector<Point> expected{{"1 Pa.s", "sph"}, {"1 Pa.s", "grid"}, {"10 Pa.s", "sph"}, {"10 Pa.s", "grid"},
+        {"100 Pa.s", "sph"}, {"100 Pa.s", "grid"}};
     EXPECT_EQ(points, expected);
 }
 
 TEST(SweepPoints, AListIsTakenAsItStands) {
-    const auto points = sweep_points(study_of(header + two + "sweep: {design: list, rows: [\"3 Pa.s, sph\", \"4 Pa.s,grid\"]}\n"));
+    const auto points =
+        sweep_points(study_of(header + two + "sweep: {design: list, rows: [\"3 Pa.s, sph\", \"4 Pa.s,grid\"]}\n"));
     EXPECT_EQ(points, (std::vector<Point>{{"3 Pa.s", "sph"}, {"4 Pa.s", "grid"}}));
-    const auto complaint = complaint_of([] { sweep_points(study_of(header + two + "sweep: {design: list, rows: [\"3 Pa.s\"]}\n")); });
+    const auto complaint =
+        complaint_of([] { sweep_points(study_of(header + two + "sweep: {design: list, rows: [\"3 Pa.s\"]}\n")); });
     EXPECT_NE(complaint.find("there are 2 parameters"), std::string::npos) << complaint;
 }
 
@@ -69,7 +72,8 @@ TEST(SweepPoints, ASobolSequenceFillsTheRangesEvenly) {
     EXPECT_EQ(different.size(), 64u);
     std::vector<int> counts(16, 0);
     for (const auto& point : points) {
-        const double u = std::log(*study.parameters[0].number(point[0])) / std::log(100.0), v = *study.parameters[1].number(point[1]);
+        const double u = std::log(*study.parameters[0].number(point[0])) / std::log(100.0),
+                     v = *study.parameters[1].number(point[1]);
         ++counts[std::size_t(std::min(3, int(4 * u)) * 4 + std::min(3, int(4 * v)))];
     }
     for (const int count : counts) EXPECT_NEAR(count, 4, 1);
@@ -79,7 +83,8 @@ TEST(SweepPoints, ASobolSequenceFillsTheRangesEvenly) {
 }
 
 TEST(SweepPoints, DesignsThatNeedRangesSayWhichParameterHasNone) {
-    const auto complaint = complaint_of([] { sweep_points(study_of(header + two + "sweep: {design: sobol, runs: 4}\n")); });
+    const auto complaint =
+        complaint_of([] { sweep_points(study_of(header + two + "sweep: {design: sobol, runs: 4}\n")); });
     EXPECT_NE(complaint.find("study.yaml:6: how has no range"), std::string::npos) << complaint;
     EXPECT_NE(complaint_of([] { sweep_points(study_of(header + two)); }).find("names no points"), std::string::npos);
 }

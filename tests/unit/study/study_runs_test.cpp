@@ -74,10 +74,10 @@ TEST_F(StudyRunsTest, FailuresAreRecordedWithTheirReasonsAndTheOthersAreRight) {
     StudyRuns runs(study_, setup(), log_);
     const auto numbers = ask(runs, {"1", "2", "3", "4", "5", "6", "7", "9"});
     EXPECT_EQ(runs.run(numbers), StudyEnd::complete);
-    const std::vector<RunStatus> expected{RunStatus::done, RunStatus::done, RunStatus::failed, RunStatus::killed, RunStatus::timed_out,
-                                          RunStatus::out_of_memory, RunStatus::bad_input, RunStatus::done};
-    const std::vector<std::string> reasons{"", "", "no good", "was ended by signal 9 (Killed)", "took longer than the time limit of 1.0 s",
-                                           "ended with exit code 4", "last words", ""};
+    const std::vector<RunStatus> expected{RunStatus::done, RunStatus::done, RunStatus::failed, RunStatus::killed,
+        RunStatus::timed_out, RunStatus::out_of_memory, RunStatus::bad_input, RunStatus::done};
+    const std::vector<std::string> reasons{"", "", "no good", "was ended by signal 9 (Killed)",
+        "took longer than the time limit of 1.0 s", "ended with exit code 4", "last words", ""};
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         const auto* outcome = runs.journal().outcome(numbers[i]);
         ASSERT_NE(outcome, nullptr);

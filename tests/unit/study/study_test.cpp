@@ -48,8 +48,10 @@ TEST(StudyFile, WhatCannotBeMeantIsRefusedAtItsLine) {
              {"parameters:\n  - {key: a.b, values: [1, 2 cm]}\n", "must have units of one dimension"},
              {"parameters:\n  - {key: a.b, range: [0, 2], scale: log}\n", "must be above 0"},
              {"parameters:\n  - {key: a.b, range: [1, 2], start: 3}\n", "must lie in the range"},
-             {"parameters:\n  - {name: p, key: a.b, range: [1, 2]}\n  - {name: q, key: a.b, range: [1, 2]}\n", "is set at study.yaml:5 too"},
-             {"parameters:\n  - {key: a.b, range: [1, 2]}\n  - {key: c.b, range: [1, 2]}\n", "b stands at study.yaml:5 too"},
+             {"parameters:\n  - {name: p, key: a.b, range: [1, 2]}\n  - {name: q, key: a.b, range: [1, 2]}\n",
+                 "is set at study.yaml:5 too"},
+             {"parameters:\n  - {key: a.b, range: [1, 2]}\n  - {key: c.b, range: [1, 2]}\n",
+                 "b stands at study.yaml:5 too"},
              {"measured:\n  - {key: a.b, value: 1 g/cm3, plus_minus: 1 kg/m3}\n", "must have the unit of the value"},
              {"read:\n  - {measurement: front, table: steps, column: a}\n", "must be given, or a table"},
              {"read:\n  - {measurement: front, time: 3}\n", "has no effect"},
@@ -64,7 +66,9 @@ TEST(StudyFile, WhatCannotBeMeantIsRefusedAtItsLine) {
 }
 
 TEST(StudyFile, ValuesOfOneDimensionTakeTheUnitOfTheFirst) {
-    const auto study = study_of(header + "parameters:\n  - {key: a.b, values: [5 mm, 1 cm, 1.5e-2 m]}\n  - {key: a.c, range: [100 cP, 2 Pa.s]}\n");
+    const auto study = study_of(
+        header +
+        "parameters:\n  - {key: a.b, values: [5 mm, 1 cm, 1.5e-2 m]}\n  - {key: a.c, range: [100 cP, 2 Pa.s]}\n");
     const auto& values = study.parameters[0];
     EXPECT_EQ(values.values, (std::vector<std::string>{"5 mm", "10 mm", "15 mm"}));
     EXPECT_EQ(values.column(), "b [mm]");
@@ -88,22 +92,24 @@ TEST(Readings, StatisticsOverTimeLeaveEmptyRowsOut) {
 
 TEST(Readings, FiguresComeFromTheTablesOfARun) {
     const test::OwnFolder folder;
-    std::ofstream(folder.path() / "measurements.csv") << "step,time [s],front [m],height [m]\n0,0,1,5\n1,1,2,4\n2,2,3,3\n3,3,9";
+    std::ofstream(folder.path() / "measurements.csv")
+        << "step,time [s],front [m],height [m]\n0,0,1,5\n1,1,2,4\n2,2,3,3\n3,3,9";
     std::ofstream(folder.path() / "steps.csv") << "step,time [s],maximum speed [m/s]\n1,1,7\n2,2,6\n";
     const auto all = read_figures(study_of(header), folder.path());
     ASSERT_EQ(all.size(), 2u); // the row that was cut off is none
     EXPECT_EQ(all[0].name, "front [m]");
     EXPECT_EQ(all[0].value, 3);
-    const auto some = read_figures(study_of(header + "read:\n  - {name: way, measurement: front, at: time, time: 1.5 s}\n"
-                                                     "  - {table: steps, column: maximum speed, at: max}\n"),
-                                   folder.path());
+    const auto some =
+        read_figures(study_of(header + "read:\n  - {name: way, measurement: front, at: time, time: 1.5 s}\n"
+                                       "  - {table: steps, column: maximum speed, at: max}\n"),
+            folder.path());
     ASSERT_EQ(some.size(), 2u);
     EXPECT_EQ(some[0].name, "way [m]");
     EXPECT_EQ(some[0].value, 2.5);
     EXPECT_EQ(some[1].name, "maximum speed [m/s]");
     EXPECT_EQ(some[1].value, 7);
-    const auto complaint =
-        complaint_of([&] { read_figures(study_of(header + "read:\n  - {table: steps, column: maximum sped}\n"), folder.path()); });
+    const auto complaint = complaint_of(
+        [&] { read_figures(study_of(header + "read:\n  - {table: steps, column: maximum sped}\n"), folder.path()); });
     EXPECT_NE(complaint.find("has no column maximum sped"), std::string::npos) << complaint;
 }
 

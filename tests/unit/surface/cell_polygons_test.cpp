@@ -72,25 +72,28 @@ TEST(CellPolygons, TrianglesAvoidTheFacesOrTakeOneCentre) {
     for_each_case([](const double value[8]) {
         int next[12], faces[12], n = 0, without = 0;
         link_edges(value, next);
-        follow_polygons(next, [&](int edge) { faces[n++] = edge_faces(edge); }, [&] {
-            const int edges = n;
-            n = 0;
-            int triangles[10][3];
-            const int count = triangulate_polygon(edges, faces, [](int, int) { return 1.0; }, triangles);
-            if (count < 0) {
-                ++without;
-                EXPECT_GE(edges, 8);
-                return;
-            }
-            ASSERT_EQ(count, edges - 2);
-            for (int t = 0; t < count; ++t) {
-                for (int k = 0; k < 3; ++k) {
-                    const int i = triangles[t][k], j = triangles[t][(k + 1) % 3];
-                    const bool side = (i + 1) % edges == j || (j + 1) % edges == i;
-                    EXPECT_TRUE(side || (faces[i] & faces[j]) == 0);
+        follow_polygons(
+            next, [&](int edge) { faces[n++] = edge_faces(edge); },
+            [&] {
+                const int edges = n;
+                n = 0;
+                int triangles[10][3];
+                const int count = triangulate_polygon(
+                    edges, faces, [](int, int) { return 1.0; }, triangles);
+                if (count < 0) {
+                    ++without;
+                    EXPECT_GE(edges, 8);
+                    return;
                 }
-            }
-        });
+                ASSERT_EQ(count, edges - 2);
+                for (int t = 0; t < count; ++t) {
+                    for (int k = 0; k < 3; ++k) {
+                        const int i = triangles[t][k], j = triangles[t][(k + 1) % 3];
+                        const bool side = (i + 1) % edges == j || (j + 1) % edges == i;
+                        EXPECT_TRUE(side || (faces[i] & faces[j]) == 0);
+                    }
+                }
+            });
         EXPECT_LE(without, 1);
     });
 }

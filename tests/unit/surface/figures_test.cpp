@@ -48,9 +48,11 @@ TEST(SurfaceFigures, DISABLED_BallsFrom3To20) {
                 const auto turn = random_rotation(random);
                 const double apart = two ? radius : 0;
                 const auto shape = [&](const Vec3& x) {
-                    return std::hypot(x[0] - apart, x[1], x[2]) < radius || std::hypot(x[0] + apart, x[1], x[2]) < radius;
+                    return std::hypot(x[0] - apart, x[1], x[2]) < radius ||
+                           std::hypot(x[0] + apart, x[1], x[2]) < radius;
                 };
-                const auto figures = measure(fill(shape, static_cast<int>(radius + apart + 2), {uniform(random), uniform(random), uniform(random)}, 0, &turn));
+                const auto figures = measure(fill(shape, static_cast<int>(radius + apart + 2),
+                    {uniform(random), uniform(random), uniform(random)}, 0, &turn));
                 EXPECT_LE(figures.volume, 0.01) << radius << (two ? " two" : "");
                 EXPECT_LE(figures.drift, 0.02) << radius;
                 EXPECT_TRUE(figures.closed) << radius;
@@ -72,7 +74,8 @@ TEST(SurfaceFigures, DISABLED_SheetsAndThreads) {
     for (int repeat = 0; repeat < (quick ? 2 : 10); ++repeat) {
         const auto turn = random_rotation(random);
         const auto sheet = measure(fill([](const Vec3& x) { return x[2] == 0; }, 20, {0, 0, 0}, 0, &turn));
-        const auto thread = measure(fill([](const Vec3& x) { return x[0] >= 0 && x[0] < 2 && x[1] >= 0 && x[1] < 2; }, 30, {0, 0, 0}, 0, &turn));
+        const auto thread = measure(fill(
+            [](const Vec3& x) { return x[0] >= 0 && x[0] < 2 && x[1] >= 0 && x[1] < 2; }, 30, {0, 0, 0}, 0, &turn));
         for (const auto& one : {sheet, thread}) {
             EXPECT_EQ(one.components, 1);
             EXPECT_TRUE(one.closed);
@@ -123,7 +126,9 @@ TEST(SurfaceFigures, DISABLED_Cost) {
     const char* text = std::getenv("TREACLE_EDGE");
     const int edge = text != nullptr ? std::atoi(text) : 32;
     const double n = edge;
-    const auto cloud = fill([=](const Vec3& x) { return x[0] > 0 && x[0] < n && x[1] > 0 && x[1] < n && x[2] > 0 && x[2] < n; }, edge, {0.5, 0.5, 0.5}, 0.2);
+    const auto cloud =
+        fill([=](const Vec3& x) { return x[0] > 0 && x[0] < n && x[1] > 0 && x[1] < n && x[2] > 0 && x[2] < n; }, edge,
+            {0.5, 0.5, 0.5}, 0.2);
     const auto comm = Comm::world();
     const auto part = cloud.part(comm);
     Options options;

@@ -48,7 +48,8 @@ TEST(Surface, OfABallHasItsVolumeAndIsClosed) {
     std::uniform_real_distribution<double> uniform(-0.5, 0.5);
     for (const double radius : {3.0, 5.0, 9.0}) {
         const auto turn = random_rotation(random);
-        const auto cloud = fill(ball(radius), static_cast<int>(radius + 2), {uniform(random), uniform(random), uniform(random)}, 0, &turn);
+        const auto cloud = fill(
+            ball(radius), static_cast<int>(radius + 2), {uniform(random), uniform(random), uniform(random)}, 0, &turn);
         const auto made = make(cloud);
         EXPECT_NEAR(made.summary.volume / cloud.count(), 1, 0.01) << radius;
         EXPECT_EQ(made.summary.components, 1);
@@ -62,7 +63,7 @@ TEST(Surface, OfTwoBallsThatTouchHasTheirVolume) {
     for (const double radius : {3.0, 6.0}) {
         const Vec3 left{-radius, 0, 0}, right{radius, 0, 0};
         const auto cloud = fill([&](const Vec3& x) { return ball(radius, left)(x) || ball(radius, right)(x); },
-                                static_cast<int>(2 * radius + 2), {0.3, 0.2, 0.4});
+            static_cast<int>(2 * radius + 2), {0.3, 0.2, 0.4});
         const auto made = make(cloud);
         EXPECT_NEAR(made.summary.volume / cloud.count(), 1, 0.01) << radius;
         EXPECT_TRUE(closed(Comm::world(), made.mesh));
@@ -78,7 +79,8 @@ TEST(Surface, OfADiscInThePlaneIsAClosedLine) {
         EXPECT_NEAR(made.summary.volume / cloud.count(), 1, 0.01) << radius;
         EXPECT_EQ(made.summary.components, 1);
         EXPECT_TRUE(closed(Comm::world(), made.mesh));
-        EXPECT_NEAR(made.summary.area, 2 * math::pi * std::sqrt(cloud.count() / math::pi), 0.05 * made.summary.area) << "steps of the particles' lattice make it longer";
+        EXPECT_NEAR(made.summary.area, 2 * math::pi * std::sqrt(cloud.count() / math::pi), 0.05 * made.summary.area)
+            << "steps of the particles' lattice make it longer";
     }
 }
 
@@ -90,7 +92,8 @@ TEST(Surface, OfASheetOneParticleThickAndAThreadOfTwoIsWhole) {
     EXPECT_EQ(flat.summary.components, 1);
     EXPECT_NEAR(flat.summary.volume / sheet.count(), 1, 0.1);
     EXPECT_TRUE(closed(Comm::world(), flat.mesh));
-    const auto thread = fill([](const Vec3& x) { return x[0] >= 0 && x[0] < 2 && x[1] >= 0 && x[1] < 2; }, 20, {0, 0, 0}, 0, &turn);
+    const auto thread =
+        fill([](const Vec3& x) { return x[0] >= 0 && x[0] < 2 && x[1] >= 0 && x[1] < 2; }, 20, {0, 0, 0}, 0, &turn);
     const auto round = make(thread);
     EXPECT_EQ(round.summary.components, 1);
     EXPECT_NEAR(round.summary.volume / thread.count(), 1, 0.1);
@@ -106,7 +109,9 @@ Domain box(const Vec3& min, const Vec3& max, Side side = Side::wall) {
 
 // A block on the floor of a box, against three of its walls; the lattice of particles touches none of the box's lattice.
 TEST(Surface, OfABlockLiesOnFloorAndWalls) {
-    const auto cloud = fill([](const Vec3& x) { return x[0] > 0 && x[0] < 6 && x[1] > 0 && x[1] < 9 && x[2] > 0 && x[2] < 5; }, 10, {0.5, 0.5, 0.5});
+    const auto cloud =
+        fill([](const Vec3& x) { return x[0] > 0 && x[0] < 6 && x[1] > 0 && x[1] < 9 && x[2] > 0 && x[2] < 5; }, 10,
+            {0.5, 0.5, 0.5});
     const auto made = make(cloud, box({0, 0, 0}, {15.3, 9, 12}));
     EXPECT_EQ(made.summary.components, 1);
     EXPECT_TRUE(closed(Comm::world(), made.mesh));
@@ -120,7 +125,7 @@ TEST(Surface, OfABlockLiesOnFloorAndWalls) {
         }
         EXPECT_LE(x[1], 9);
         const bool wall = x[0] == 0 || x[1] == 0 || x[1] == 9 || x[2] == 0;
-        const bool front = x[0] > 5 && x[2] < 3.5, top = x[2] > 4 && x[0] < 4.5;
+        const bool front = x[0] > 5 && x[2]<3.5, top = x[2]> 4 && x[0] < 4.5;
         return wall ? 0 : front ? std::abs(x[0] - 6) : top ? std::abs(x[2] - 5) : 0;
     });
     EXPECT_LT(off, 0.1);
@@ -131,13 +136,17 @@ TEST(Surface, OfABlockLiesOnFloorAndWalls) {
 
 TEST(Surface, OfALayerAtRestIsFlat) {
     for (const double jitter : {0.0, 0.1}) {
-        const auto cloud = fill([](const Vec3& x) { return x[0] > 0 && x[0] < 12 && x[1] > 0 && x[1] < 12 && x[2] > 0 && x[2] < 6; }, 13,
-                                {0.5, 0.5, 0.5}, jitter);
+        const auto cloud =
+            fill([](const Vec3& x) { return x[0] > 0 && x[0] < 12 && x[1] > 0 && x[1] < 12 && x[2] > 0 && x[2] < 6; },
+                13, {0.5, 0.5, 0.5}, jitter);
         const auto made = make(cloud, box({0, 0, 0}, {12, 12, 12}));
-        const double off = worst(made.mesh, [&](const Vec3& x, std::size_t) { return x[2] > 4.5 && x[0] > 0.1 && x[0] < 11.9 && x[1] > 0.1 && x[1] < 11.9 ? std::abs(x[2] - 6) : 0; });
+        const double off = worst(made.mesh, [&](const Vec3& x, std::size_t) {
+            return x[2] > 4.5 && x[0] > 0.1 && x[0] < 11.9 && x[1] > 0.1 && x[1] < 11.9 ? std::abs(x[2] - 6) : 0;
+        });
         EXPECT_LT(off, jitter == 0 ? 0.02 : 0.35);
         RecordProperty(jitter == 0 ? "layer_off_spacings" : "disordered_layer_off_spacings", std::to_string(off));
-        RecordProperty(jitter == 0 ? "layer_mean_height_off" : "disordered_layer_mean_height_off", std::to_string(made.summary.volume / 144 - 6));
+        RecordProperty(jitter == 0 ? "layer_mean_height_off" : "disordered_layer_mean_height_off",
+            std::to_string(made.summary.volume / 144 - 6));
         EXPECT_NEAR(made.summary.volume, 12 * 12 * 6, 12 * 12 * (jitter == 0 ? 0.01 : 0.03));
     }
 }
@@ -149,7 +158,12 @@ TEST(Surface, LiesOnSolidsThatTheLiquidTouches) {
     shape.radius = 5;
     Solids solids;
     solids.bodies.push_back({scene::SolidRegion(shape)});
-    const auto cloud = fill([](const Vec3& x) { const double r = std::hypot(x[0], x[1], x[2]); return r > 5 && r < 9; }, 11, {0.2, 0.3, 0.4});
+    const auto cloud = fill(
+        [](const Vec3& x) {
+            const double r = std::hypot(x[0], x[1], x[2]);
+            return r > 5 && r < 9;
+        },
+        11, {0.2, 0.3, 0.4});
     const auto made = make(cloud, {}, options(), solids);
     EXPECT_TRUE(closed(Comm::world(), made.mesh));
     EXPECT_EQ(made.summary.components, 2);
@@ -163,7 +177,9 @@ TEST(Surface, LiesOnSolidsThatTheLiquidTouches) {
 TEST(Surface, OfAPeriodicLiquidEndsOnTheFacesOfThePeriod) {
     auto domain = box({0, 0, 0}, {10, 9, 20});
     domain.sides[0] = domain.sides[1] = Side::periodic;
-    const auto cloud = fill([](const Vec3& x) { return x[0] > 0 && x[0] < 10 && x[1] > 0 && x[1] < 9 && x[2] > 0 && x[2] < 5; }, 12, {0.5, 0.5, 0.5});
+    const auto cloud =
+        fill([](const Vec3& x) { return x[0] > 0 && x[0] < 10 && x[1] > 0 && x[1] < 9 && x[2] > 0 && x[2] < 5; }, 12,
+            {0.5, 0.5, 0.5});
     const auto made = make(cloud, domain);
     EXPECT_TRUE(closed(Comm::world(), made.mesh));
     EXPECT_NEAR(made.summary.volume / cloud.count(), 1, 0.002);
@@ -182,7 +198,8 @@ TEST(Surface, DropsSmallPiecesAndCountsThem) {
     EXPECT_EQ(without.summary.components, 1);
     EXPECT_EQ(without.summary.components + without.summary.dropped, all.summary.components + all.summary.dropped);
     EXPECT_GE(without.summary.dropped, 1);
-    EXPECT_NEAR(without.summary.volume + without.summary.dropped_volume, all.summary.volume + all.summary.dropped_volume, 1e-9);
+    EXPECT_NEAR(
+        without.summary.volume + without.summary.dropped_volume, all.summary.volume + all.summary.dropped_volume, 1e-9);
     EXPECT_TRUE(closed(Comm::world(), without.mesh));
 }
 
@@ -205,7 +222,8 @@ TEST(Surface, CarriesTheFieldsOfItsParticles) {
 // The mesh of one rank alone, vertex by vertex.
 TEST(Surface, DoesNotDependOnTheRanks) {
     const auto world = Comm::world();
-    auto cloud = fill([](const Vec3& x) { return ball(6)(x) || (x[2] > -10 && x[2] < -8); }, 14, {0.21, 0.13, 0.37}, 0.2);
+    auto cloud =
+        fill([](const Vec3& x) { return ball(6)(x) || (x[2] > -10 && x[2] < -8); }, 14, {0.21, 0.13, 0.37}, 0.2);
     auto domain = box({-14, -14, -10}, {14, 14, 10});
     domain.sides[0] = domain.sides[1] = Side::periodic;
     domain.sides[5] = Side::open;
@@ -225,21 +243,26 @@ TEST(Surface, DoesNotDependOnTheRanks) {
     std::map<std::int64_t, std::size_t> rows;
     for (std::size_t v = 0; v < whole.key.size(); ++v) rows[whole.key[v]] = v;
     std::map<std::array<std::int64_t, 3>, int> triangles;
-    for (const auto& t : whole.triangles) ++triangles[{whole.key[static_cast<std::size_t>(t[0])], whole.key[static_cast<std::size_t>(t[1])], whole.key[static_cast<std::size_t>(t[2])]}];
+    for (const auto& t : whole.triangles)
+        ++triangles[{whole.key[static_cast<std::size_t>(t[0])], whole.key[static_cast<std::size_t>(t[1])],
+            whole.key[static_cast<std::size_t>(t[2])]}];
     for (const auto& t : made.mesh.triangles) {
-        const std::array<std::int64_t, 3> keys{made.mesh.key[static_cast<std::size_t>(t[0])], made.mesh.key[static_cast<std::size_t>(t[1])], made.mesh.key[static_cast<std::size_t>(t[2])]};
+        const std::array<std::int64_t, 3> keys{made.mesh.key[static_cast<std::size_t>(t[0])],
+            made.mesh.key[static_cast<std::size_t>(t[1])], made.mesh.key[static_cast<std::size_t>(t[2])]};
         EXPECT_EQ(triangles.count(keys), 1u);
     }
-    EXPECT_EQ(worst(made.mesh, [&](const Vec3& x, std::size_t v) {
-        const auto row = rows.at(made.mesh.key[v]);
-        double out = std::abs(made.mesh.pressure[v] - whole.pressure[row]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            out = std::max(out, std::abs(x[k] - whole.vertices[3 * row + k]));
-            out = std::max(out, std::abs(made.mesh.normals[3 * v + k] - whole.normals[3 * row + k]));
-            out = std::max(out, std::abs(made.mesh.velocity[3 * v + k] - whole.velocity[3 * row + k]));
-        }
-        return out;
-    }), 0);
+    EXPECT_EQ(worst(made.mesh,
+                  [&](const Vec3& x, std::size_t v) {
+                      const auto row = rows.at(made.mesh.key[v]);
+                      double out = std::abs(made.mesh.pressure[v] - whole.pressure[row]);
+                      for (std::size_t k = 0; k < 3; ++k) {
+                          out = std::max(out, std::abs(x[k] - whole.vertices[3 * row + k]));
+                          out = std::max(out, std::abs(made.mesh.normals[3 * v + k] - whole.normals[3 * row + k]));
+                          out = std::max(out, std::abs(made.mesh.velocity[3 * v + k] - whole.velocity[3 * row + k]));
+                      }
+                      return out;
+                  }),
+        0);
 }
 
 TEST(Surface, OfNoParticlesIsEmptyAndOfBadOnesAnError) {

@@ -21,10 +21,15 @@ Mesh corner() {
 
 double volume(const Mesh& mesh) {
     double out = 0;
-    const auto vertex = [&](int i) { return Vec3{mesh.vertices[std::size_t(3 * i)], mesh.vertices[std::size_t(3 * i) + 1], mesh.vertices[std::size_t(3 * i) + 2]}; };
+    const auto vertex = [&](int i) {
+        return Vec3{mesh.vertices[std::size_t(3 * i)], mesh.vertices[std::size_t(3 * i) + 1],
+            mesh.vertices[std::size_t(3 * i) + 2]};
+    };
     for (const auto& t : mesh.triangles) {
         const auto a = vertex(t[0]), b = vertex(t[1]), c = vertex(t[2]);
-        out += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6;
+        out += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                   a[2] * (b[0] * c[1] - b[1] * c[0])) /
+               6;
     }
     return out;
 }
@@ -39,8 +44,8 @@ TEST(Mirror, ImagesAreOrientedAsTheMeshIs) {
     EXPECT_EQ(mesh.size(), 32);
     EXPECT_EQ(mesh.triangles.size(), 32u);
     EXPECT_EQ(mesh.pressure.size(), 32u);
-    EXPECT_EQ(mesh.velocity[3 * 4], -1);    // across the first mirror
-    EXPECT_EQ(mesh.velocity[3 * 4 + 1], 2); // along it
+    EXPECT_EQ(mesh.velocity[3 * 4], -1);      // across the first mirror
+    EXPECT_EQ(mesh.velocity[3 * 4 + 1], 2);   // along it
     EXPECT_EQ(mesh.vertices[3 * 17 + 2], -2); // of the origin's height, by the mirror at -1
 }
 

@@ -28,7 +28,8 @@ TEST(CroppedSurface, IsClosedAtTheSidesOfTheBox) {
     const auto part = cloud.part(Comm::world());
     const auto& mesh = mesher.build(part.rows());
     EXPECT_TRUE(check_mesh(Comm::world(), mesh).none());
-    const double height = radius + side, share = height * height * (3 * radius - height) / (4 * radius * radius * radius);
+    const double height = radius + side,
+                 share = height * height * (3 * radius - height) / (4 * radius * radius * radius);
     EXPECT_NEAR(mesher.summary().volume / cloud.count(), share, 0.01);
     double farthest = -100;
     for (std::size_t v = 0; v < mesh.vertices.size(); v += 3) farthest = std::max(farthest, mesh.vertices[v]);
@@ -43,7 +44,8 @@ TEST(CroppedSurface, OfABoxInTheLiquidIsThatBox) {
     const auto part = cloud.part(Comm::world());
     const auto& mesh = mesher.build(part.rows());
     EXPECT_TRUE(check_mesh(Comm::world(), mesh).none());
-    EXPECT_NEAR(mesher.summary().volume, 6.2 * 5 * 5.7, 1e-3); // sharp edges are met to the rounding of the volume's whole numbers
+    EXPECT_NEAR(mesher.summary().volume, 6.2 * 5 * 5.7,
+        1e-3); // sharp edges are met to the rounding of the volume's whole numbers
     EXPECT_THROW(cropped({}, {1, 0, 0}, {0, 1, 1}), InputError);
     Domain periodic;
     periodic.max = {10, 10, 10};
@@ -92,7 +94,8 @@ TEST(SurfaceOfOneLiquid, LeavesNoGapToTheOthers) {
             if (std::hypot(x[1], x[2]) < 3 && std::abs(x[0]) < 2) near.insert(near.end(), x, x + 3);
         }
         const auto all = Comm::world().all_gather(std::span<const double>(near));
-        for (std::size_t k = 0; k < all.size(); k += 3) inner[static_cast<std::size_t>(liquid)].insert({all[k], all[k + 1], all[k + 2]});
+        for (std::size_t k = 0; k < all.size(); k += 3)
+            inner[static_cast<std::size_t>(liquid)].insert({all[k], all[k + 1], all[k + 2]});
     }
     // Smoothing rounds the rim where both meet the air, 44 spacings long, by some 0.07 spacings squared.
     EXPECT_NEAR(volumes / whole.summary().volume, 1, 0.003);
@@ -120,7 +123,9 @@ Mesh tetrahedra(const Comm& comm, const std::vector<std::array<int, 3>>& triangl
 
 TEST(MeshCheck, CountsWhatIsWrong) {
     const auto comm = Comm::world();
-    const auto faults = [&](const std::vector<std::array<int, 3>>& triangles, int vertices) { return check_mesh(comm, tetrahedra(comm, triangles, vertices)); };
+    const auto faults = [&](const std::vector<std::array<int, 3>>& triangles, int vertices) {
+        return check_mesh(comm, tetrahedra(comm, triangles, vertices));
+    };
     const std::vector<std::array<int, 3>> sound{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     EXPECT_TRUE(faults(sound, 4).none());
     EXPECT_EQ(faults({sound[0], sound[1], sound[2]}, 4).open, 3);

@@ -57,13 +57,13 @@ inline Rotation random_rotation(std::mt19937& random) {
     for (double& c : q) c /= std::sqrt(length);
     const auto [w, x, y, z] = std::tie(q[0], q[1], q[2], q[3]);
     return {Vec3{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-            Vec3{2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-            Vec3{2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+        Vec3{2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+        Vec3{2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
 }
 
 // The points of a lattice with its nodes at `offset` + whole numbers that lie in the shape, then turned and displaced.
 inline Cloud fill(const Shape& shape, int half, const Vec3& offset, double jitter = 0, const Rotation* turn = nullptr,
-                  int dimensions = 3, unsigned seed = 1) {
+    int dimensions = 3, unsigned seed = 1) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-jitter, jitter);
     Cloud out;
@@ -76,7 +76,8 @@ inline Cloud fill(const Shape& shape, int half, const Vec3& offset, double jitte
                 for (int k = 0; k < dimensions; ++k) p[static_cast<std::size_t>(k)] += jitter > 0 ? uniform(random) : 0;
                 if (turn != nullptr) {
                     const Vec3 q = p;
-                    for (std::size_t k = 0; k < 3; ++k) p[k] = (*turn)[k][0] * q[0] + (*turn)[k][1] * q[1] + (*turn)[k][2] * q[2];
+                    for (std::size_t k = 0; k < 3; ++k)
+                        p[k] = (*turn)[k][0] * q[0] + (*turn)[k][1] * q[1] + (*turn)[k][2] * q[2];
                 }
                 out.add(p);
             }
@@ -103,7 +104,8 @@ inline bool closed(const Comm& comm, const Mesh& mesh) {
             ++in[all[k + 1]];
         }
         if (in.size() != out.size()) return false;
-        return std::all_of(out.begin(), out.end(), [&](const auto& one) { return one.second == 1 && in[one.first] == 1; });
+        return std::all_of(
+            out.begin(), out.end(), [&](const auto& one) { return one.second == 1 && in[one.first] == 1; });
     }
     std::map<std::pair<std::int64_t, std::int64_t>, int> count;
     for (std::size_t k = 0; k < all.size(); k += 2) ++count[{all[k], all[k + 1]}];
@@ -121,8 +123,10 @@ inline Vec3 centroid(const Comm& comm, const Mesh& mesh) {
         for (std::size_t k = 0; k < 3; ++k) {
             for (std::size_t a = 0; a < 3; ++a) x[k][a] = mesh.vertices[3 * static_cast<std::size_t>(t[k]) + a];
         }
-        const double v = (x[0][0] * (x[1][1] * x[2][2] - x[1][2] * x[2][1]) + x[0][1] * (x[1][2] * x[2][0] - x[1][0] * x[2][2]) +
-                          x[0][2] * (x[1][0] * x[2][1] - x[1][1] * x[2][0])) / 6;
+        const double v =
+            (x[0][0] * (x[1][1] * x[2][2] - x[1][2] * x[2][1]) + x[0][1] * (x[1][2] * x[2][0] - x[1][0] * x[2][2]) +
+                x[0][2] * (x[1][0] * x[2][1] - x[1][1] * x[2][0])) /
+            6;
         sums[3] += v;
         for (std::size_t a = 0; a < 3; ++a) sums[a] += v * (x[0][a] + x[1][a] + x[2][a]) / 4;
     }

@@ -44,7 +44,9 @@ Mesh sphere(const Comm& comm, const Vec3& at, double radius, int levels) {
             if (const auto known = middles.find(key); known != middles.end()) return known->second;
             Vec3 m;
             double length = 0;
-            for (std::size_t k = 0; k < 3; ++k) length += std::pow(m[k] = points[static_cast<std::size_t>(a)][k] + points[static_cast<std::size_t>(b)][k], 2);
+            for (std::size_t k = 0; k < 3; ++k)
+                length +=
+                    std::pow(m[k] = points[static_cast<std::size_t>(a)][k] + points[static_cast<std::size_t>(b)][k], 2);
             for (double& c : m) c /= std::sqrt(length);
             points.push_back(m);
             return middles[key] = static_cast<int>(points.size()) - 1;
@@ -80,7 +82,8 @@ double outline_area(const scene::CameraModel& camera, const Vec3& at, double rad
     for (int k = 0; k <= n; ++k) {
         const double phi = 2 * math::pi * k / n;
         Vec3 ray;
-        for (std::size_t c = 0; c < 3; ++c) ray[c] = std::cos(angle) * axis[c] + std::sin(angle) * (std::cos(phi) * u[c] + std::sin(phi) * v[c]);
+        for (std::size_t c = 0; c < 3; ++c)
+            ray[c] = std::cos(angle) * axis[c] + std::sin(angle) * (std::cos(phi) * u[c] + std::sin(phi) * v[c]);
         const auto pixel = camera.project_camera(ray);
         if (k > 0) sum += lastx * pixel.y - lasty * pixel.x;
         lastx = pixel.x;
@@ -105,18 +108,22 @@ TEST(Silhouette, OfASphereHasTheAreaOfItsOutline) {
 
 TEST(Silhouette, IsTheSameBitsOnAnyNumberOfRanks) {
     const auto seen = camera(-0.15);
-    const auto ours = draw_silhouette(Comm::world(), sphere(Comm::world(), {0.1, 0.2, 1.5}, 0.3, 4), seen, {0.01, 1e-5});
+    const auto ours =
+        draw_silhouette(Comm::world(), sphere(Comm::world(), {0.1, 0.2, 1.5}, 0.3, 4), seen, {0.01, 1e-5});
     const auto alone = draw_silhouette(Comm::self(), sphere(Comm::self(), {0.1, 0.2, 1.5}, 0.3, 4), seen, {0.01, 1e-5});
     EXPECT_EQ(mismatches(ours, alone), 0);
     EXPECT_EQ(ours.depth, alone.depth);
-    const auto a = outline_distance(Comm::world(), sphere(Comm::world(), {0.1, 0.2, 1.5}, 0.3, 4), seen, ours, {0.01, 1e-5});
-    const auto b = outline_distance(Comm::self(), sphere(Comm::self(), {0.1, 0.2, 1.5}, 0.3, 4), seen, alone, {0.01, 1e-5});
+    const auto a =
+        outline_distance(Comm::world(), sphere(Comm::world(), {0.1, 0.2, 1.5}, 0.3, 4), seen, ours, {0.01, 1e-5});
+    const auto b =
+        outline_distance(Comm::self(), sphere(Comm::self(), {0.1, 0.2, 1.5}, 0.3, 4), seen, alone, {0.01, 1e-5});
     EXPECT_EQ(a, b);
 }
 
 Mesh square(const Vec3& low, const Vec3& high) {
     Mesh mesh;
-    mesh.vertices = {low[0], low[1], low[2], high[0], low[1], low[2], high[0], high[1], high[2], low[0], high[1], high[2]};
+    mesh.vertices = {
+        low[0], low[1], low[2], high[0], low[1], low[2], high[0], high[1], high[2], low[0], high[1], high[2]};
     mesh.velocity.assign(12, 0);
     mesh.global = {0, 1, 2, 3};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};

@@ -17,7 +17,8 @@ struct Ball {
 // An octahedron, each triangle cut into four, `rounds` times; triangles counter-clockwise from outside.
 inline Ball make_ball(const Vec3& centre, double radius, int rounds, const Vec3& velocity = {0, 0, 0}) {
     std::vector<Vec3> points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-    std::vector<std::array<int, 3>> triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    std::vector<std::array<int, 3>> triangles = {
+        {0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
     for (int round = 0; round < rounds; ++round) {
         std::map<std::pair<int, int>, int> middles;
         const auto middle = [&](int a, int b) {

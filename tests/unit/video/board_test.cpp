@@ -27,13 +27,18 @@ cv::Mat board_picture(int view, int columns = 9, int rows = 6, double square = 3
     cv::Mat flat((rows + 3) * pixels, (columns + 3) * pixels, CV_8U, cv::Scalar(230));
     for (int row = 0; row <= rows; ++row)
         for (int column = 0; column <= columns; ++column)
-            if ((row + column) % 2 == 0) cv::rectangle(flat, cv::Rect((column + 1) * pixels, (row + 1) * pixels, pixels, pixels), 30, cv::FILLED);
+            if ((row + column) % 2 == 0)
+                cv::rectangle(
+                    flat, cv::Rect((column + 1) * pixels, (row + 1) * pixels, pixels, pixels), 30, cv::FILLED);
     const float w = float(flat.cols), h = float(flat.rows);
-    const float s = float(square / pixels), lean = 30.0f * float(std::sin(1.7 * view)), x = 60 + 25.0f * float(view % 3), y = 40 + 18.0f * float(view % 4);
+    const float s = float(square / pixels), lean = 30.0f * float(std::sin(1.7 * view)),
+                x = 60 + 25.0f * float(view % 3), y = 40 + 18.0f * float(view % 4);
     const std::vector<cv::Point2f> from{{0, 0}, {w, 0}, {w, h}, {0, h}};
-    const std::vector<cv::Point2f> to{{x, y + lean / 2}, {x + s * w, y}, {x + s * w - lean, y + s * h - lean / 2}, {x + lean, y + s * h}};
+    const std::vector<cv::Point2f> to{
+        {x, y + lean / 2}, {x + s * w, y}, {x + s * w - lean, y + s * h - lean / 2}, {x + lean, y + s * h}};
     cv::Mat out;
-    cv::warpPerspective(flat, out, cv::getPerspectiveTransform(from, to), {width, height}, cv::INTER_AREA, cv::BORDER_CONSTANT, 120);
+    cv::warpPerspective(
+        flat, out, cv::getPerspectiveTransform(from, to), {width, height}, cv::INTER_AREA, cv::BORDER_CONSTANT, 120);
     cv::GaussianBlur(out, out, {0, 0}, 0.7);
     return out;
 }
@@ -48,7 +53,8 @@ protected:
         auto board = read_board(text);
         board.spacing = 0.025;
         return find_boards(paths, board, {});
-    }    test::OwnFolder folder_;
+    }
+    test::OwnFolder folder_;
 };
 
 } // namespace
@@ -69,7 +75,8 @@ TEST_F(Boards, CorruptAndBlurredPicturesAreNamedAndPassedOver) {
     paths.push_back(write("empty.png", cv::Mat(height, width, CV_8U, cv::Scalar(90))));
     const auto found = look(paths);
     ASSERT_EQ(found.size(), 9u);
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(found[i].state, PictureState::used) << found[i].name << found[i].reason;
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_EQ(found[i].state, PictureState::used) << found[i].name << found[i].reason;
     EXPECT_EQ(found[4].reason, "the file is cut off");
     EXPECT_EQ(found[5].reason, "the file is cut off");
     EXPECT_EQ(found[6].state, PictureState::unreadable);
@@ -109,7 +116,8 @@ TEST_F(Boards, CentresOfCirclesAreFound) {
     check_board(board);
     std::vector<cv::Point2d> centres;
     for (const auto& p : board_points(board)) centres.emplace_back(180 + 1.8 * p[1] + 0.1 * p[0], 90 + 1.7 * p[0]);
-    for (const auto& c : centres) cv::circle(picture, cv::Point(int(16 * c.x), int(16 * c.y)), 16 * 9, 25, cv::FILLED, cv::LINE_AA, 4);
+    for (const auto& c : centres)
+        cv::circle(picture, cv::Point(int(16 * c.x), int(16 * c.y)), 16 * 9, 25, cv::FILLED, cv::LINE_AA, 4);
     cv::GaussianBlur(picture, picture, {0, 0}, 0.8);
     const auto found = look({write("circles.png", picture)}, "circles:4x11");
     ASSERT_EQ(found[0].state, PictureState::used) << found[0].reason;
@@ -126,7 +134,8 @@ TEST_F(Boards, CentresOfCirclesAreFound) {
 
 TEST_F(Boards, HeicIsRefusedWithACure) {
     std::ofstream file(folder_.path() / "IMG_0001.HEIC", std::ios::binary);
-    const char head[] = "\0\0\0\x18" "ftypheic\0\0\0\0mif1heic";
+    const char head[] = "\0\0\0\x18"
+                        "ftypheic\0\0\0\0mif1heic";
     file.write(head, sizeof head);
     file.close();
     const auto text = refusal([&] { (void)look({folder_.path() / "IMG_0001.HEIC"}); });

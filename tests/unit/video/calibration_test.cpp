@@ -35,7 +35,8 @@ std::vector<BoardPicture> pictures(std::size_t count, double noise, unsigned see
         const Matrix3 turn = rotation_matrix({0.7 * u(random), 0.7 * u(random), 0.4 * u(random)});
         const Vec3 middle = apply(turn, {0.1, 0.0625, 0});
         const double depth = 0.3 + 0.1 * u(random);
-        const CameraPose pose{turn, {0.5 * depth * u(random) - middle[0], 0.28 * depth * u(random) - middle[1], depth - middle[2]}};
+        const CameraPose pose{
+            turn, {0.5 * depth * u(random) - middle[0], 0.28 * depth * u(random) - middle[1], depth - middle[2]}};
         const CameraModel camera("", true_lens(), pose);
         BoardPicture picture;
         picture.name = "picture" + std::to_string(out.size());
@@ -81,7 +82,8 @@ TEST(Circles, MiddleOfTheImageIsThatOfItsEllipse) {
         columns[k] = {lens.fx * axis[0] + lens.cx * axis[2], lens.fy * axis[1] + lens.cy * axis[2], axis[2]};
     }
     const auto dual = [&](std::size_t i, std::size_t j) {
-        return radius * radius * (columns[0][i] * columns[0][j] + columns[1][i] * columns[1][j]) - columns[2][i] * columns[2][j];
+        return radius * radius * (columns[0][i] * columns[0][j] + columns[1][i] * columns[1][j]) -
+               columns[2][i] * columns[2][j];
     };
     const auto middle = camera.project(centre);
     EXPECT_NEAR(bias[0][0], dual(0, 2) / dual(2, 2) - middle.x, 1e-3);
@@ -101,7 +103,8 @@ TEST(Circles, GiveTheExactLens) {
         const Matrix3 turn = rotation_matrix({0.7 * u(random), 0.7 * u(random), 0.4 * u(random)});
         const Vec3 middle = apply(turn, {0.04, 0.06, 0});
         const double depth = 0.28 + 0.05 * u(random);
-        const CameraModel camera("", true_lens(), {turn, {0.05 * u(random) - middle[0], 0.02 * u(random) - middle[1], depth - middle[2]}});
+        const CameraModel camera(
+            "", true_lens(), {turn, {0.05 * u(random) - middle[0], 0.02 * u(random) - middle[1], depth - middle[2]}});
         const auto bias = circle_bias(camera, centres, 0.014);
         BoardPicture picture;
         picture.name = "picture";
@@ -145,11 +148,12 @@ double mean_square_score(double noise, double shared, bool jackknife) {
         const auto result = calibrate(small_board(), options, pictures(14, noise, 100 + seed, shared));
         const auto covariance = jackknife ? result.covariance : independent_covariance(result);
         const Lens truth = true_lens();
-        const std::array<double, 9> errors{result.lens.fx - truth.fx, result.lens.fy - truth.fy, result.lens.cx - truth.cx,
-                                           result.lens.cy - truth.cy, result.lens.distortion[0] - truth.distortion[0],
-                                           result.lens.distortion[1] - truth.distortion[1], result.lens.distortion[2] - truth.distortion[2],
-                                           result.lens.distortion[3] - truth.distortion[3], result.lens.distortion[4] - truth.distortion[4]};
-        for (std::size_t i = 0; i < errors.size(); ++i, ++count) sum += std::pow(errors[i] / covariance.deviation(i), 2);
+        const std::array<double, 9> errors{result.lens.fx - truth.fx, result.lens.fy - truth.fy,
+            result.lens.cx - truth.cx, result.lens.cy - truth.cy, result.lens.distortion[0] - truth.distortion[0],
+            result.lens.distortion[1] - truth.distortion[1], result.lens.distortion[2] - truth.distortion[2],
+            result.lens.distortion[3] - truth.distortion[3], result.lens.distortion[4] - truth.distortion[4]};
+        for (std::size_t i = 0; i < errors.size(); ++i, ++count)
+            sum += std::pow(errors[i] / covariance.deviation(i), 2);
     }
     return std::sqrt(sum / count);
 }
@@ -190,7 +194,8 @@ TEST(Calibration, TooFewPicturesAreRefusedWithTheirReasons) {
 }
 
 TEST(Boards, ThoseThatLookTheSameTurnedAreRefused) {
-    for (const auto* text : {"9x6", "6x9", "8x5", "circles:4x11", "circles:4x9"}) EXPECT_NO_THROW(check_board(read_board(text))) << text;
+    for (const auto* text : {"9x6", "6x9", "8x5", "circles:4x11", "circles:4x9"})
+        EXPECT_NO_THROW(check_board(read_board(text))) << text;
     for (const auto* text : {"8x6", "9x7", "circles:4x10", "symmetric:7x6"}) {
         const auto refused = refusal([&] { check_board(read_board(text)); });
         EXPECT_NE(refused.find("looks the same turned by 180 degrees"), std::string::npos) << text;

@@ -122,8 +122,10 @@ TEST_F(CameraFile, ReadsOpenGlCamerasOfViRheometry) {
 }
 
 TEST_F(CameraFile, ReadsCamerasOfColmap) {
-    write("model/cameras.txt", "# Camera list\n1 SIMPLE_RADIAL 640 480 500 320 240 -0.1\n2 OPENCV 800 600 700 710 400.5 300.5 0.1 0.01 0.001 0.002\n");
-    write("model/images.txt", "# Image list\n1 1 0 0 0 0.1 0.2 0.3 1 first frame.png\n1 2 3 4 5 6\n2 0.70710678118654757 0.70710678118654757 0 0 0 0 1 2 second.png\n\n");
+    write("model/cameras.txt", "# Camera list\n1 SIMPLE_RADIAL 640 480 500 320 240 -0.1\n2 OPENCV 800 600 700 710 "
+                               "400.5 300.5 0.1 0.01 0.001 0.002\n");
+    write("model/images.txt", "# Image list\n1 1 0 0 0 0.1 0.2 0.3 1 first frame.png\n1 2 3 4 5 6\n2 "
+                              "0.70710678118654757 0.70710678118654757 0 0 0 0 1 2 second.png\n\n");
     const auto cameras = read_cameras(folder_.path() / "model");
     ASSERT_EQ(cameras.size(), 2u);
     EXPECT_EQ(cameras[0].name, "first frame.png");
@@ -145,7 +147,8 @@ TEST_F(CameraFile, SaysWhatIsWrong) {
         return write("bad.yaml", text.erase(at, text.find('\n', at) - at + 1));
     };
     EXPECT_NE(refusal(without("image_width")).find("image_width or image_height is missing"), std::string::npos);
-    EXPECT_NE(refusal(write("no_pose.yaml", plain)).find("no_pose.yaml: the camera narrow_stereo has no pose"), std::string::npos)
+    EXPECT_NE(refusal(write("no_pose.yaml", plain)).find("no_pose.yaml: the camera narrow_stereo has no pose"),
+        std::string::npos)
         << refusal(write("no_pose.yaml", plain));
     EXPECT_NE(refusal(write("bad.yaml", "a: [1, 2")).find("is no camera file"), std::string::npos);
     EXPECT_NE(refusal(write("bad.yaml", "")).find("is empty"), std::string::npos);
@@ -158,7 +161,8 @@ TEST_F(CameraFile, SaysWhatIsWrong) {
     EXPECT_NE(refusal(write("folding.yaml", folding)).find("folds the picture over"), std::string::npos);
     write("fish/cameras.txt", "1 OPENCV_FISHEYE 640 480 500 500 320 240 0 0 0 0\n");
     write("fish/images.txt", "");
-    EXPECT_NE(refusal(folder_.path() / "fish").find("cameras.txt:1: camera model OPENCV_FISHEYE is not known"), std::string::npos);
+    EXPECT_NE(refusal(folder_.path() / "fish").find("cameras.txt:1: camera model OPENCV_FISHEYE is not known"),
+        std::string::npos);
     EXPECT_THROW(write_cameras(folder_.path() / "camera.txt", {some_camera("a")}), InputError);
 }
 

@@ -44,7 +44,8 @@ ClipOptions lossless(int width, int height) {
 
 void write_clip(const fs::path& path, const ClipOptions& options, const std::vector<double>& stamps) {
     ClipWriter writer(path, options);
-    for (std::size_t k = 0; k < stamps.size(); ++k) writer.add(picture(options.width, options.height, int(k)), stamps[k]);
+    for (std::size_t k = 0; k < stamps.size(); ++k)
+        writer.add(picture(options.width, options.height, int(k)), stamps[k]);
     writer.finish();
 }
 
@@ -94,7 +95,8 @@ std::string refusal(const SourceRequest& request) {
 }
 
 void expect_names(const std::string& message, const std::vector<std::string>& words) {
-    for (const auto& word : words) EXPECT_NE(message.find(word), std::string::npos) << word << " is not in: " << message;
+    for (const auto& word : words)
+        EXPECT_NE(message.find(word), std::string::npos) << word << " is not in: " << message;
 }
 } // namespace
 
@@ -133,7 +135,8 @@ TEST_F(Clips, DisplayMatrixOf0And90And180And270TurnsFramesUpright) {
         options.turned = degrees;
         const auto path = folder / (std::to_string(degrees) + ".mp4");
         write_clip(path, options, steady(3, 30));
-        EXPECT_EQ(matrix_in_header(path), (std::array{cosine[degrees / 90], sine[degrees / 90], -sine[degrees / 90], cosine[degrees / 90]}));
+        EXPECT_EQ(matrix_in_header(path),
+            (std::array{cosine[degrees / 90], sine[degrees / 90], -sine[degrees / 90], cosine[degrees / 90]}));
         const auto source = open_frames(of(path));
         EXPECT_EQ(source->info().orientation.degrees(), degrees);
         EXPECT_EQ(source->info().width, 48);
@@ -234,7 +237,9 @@ TEST_F(Clips, WhatIsNoVideoIsRefusedWithACure) {
     expect_names(refusal(of(folder / "none.mp4")), {"none.mp4", "no such file"});
     std::ofstream(folder / "text.mp4") << "this is no video";
     expect_names(refusal(of(folder / "text.mp4")), {"text.mp4", "no video that can be read"});
-    std::ofstream(folder / "a.heic", std::ios::binary) << std::string("\0\0\0\x18" "ftypheic\0\0\0\0", 16);
+    std::ofstream(folder / "a.heic", std::ios::binary) << std::string("\0\0\0\x18"
+                                                                      "ftypheic\0\0\0\0",
+        16);
     expect_names(refusal(of(folder / "a.heic")), {"HEIC", "Most Compatible"});
     auto options = lossless(64, 48);
     options.codec = ClipCodec::h264;

@@ -27,7 +27,7 @@ TEST(Colour, ViridisRunsFromDarkVioletToYellowAndOnlyGetsBrighter) {
     EXPECT_EQ(colour_of(ColourMap::viridis, 1), (Rgb8{253, 231, 37}));
     for (int k = 1; k <= 100; ++k)
         EXPECT_GT(luminance(colour_of(ColourMap::viridis, k / 100.0)),
-                  luminance(colour_of(ColourMap::viridis, (k - 1) / 100.0)));
+            luminance(colour_of(ColourMap::viridis, (k - 1) / 100.0)));
 }
 
 TEST(Colour, DivergingMapIsBlueThenPaleThenRed) {
@@ -68,8 +68,7 @@ TEST(Colour, ValuesThatAreNotFiniteAreRefused) {
 }
 
 TEST(Colour, TicksAreFewRoundAndInside) {
-    for (const ValueRange range :
-         {ValueRange{0, 1}, {-3.7, 9.2}, {0, 23456}, {1e-7, 3e-7}, {998, 1002}, {-5, -4.99}}) {
+    for (const ValueRange range : {ValueRange{0, 1}, {-3.7, 9.2}, {0, 23456}, {1e-7, 3e-7}, {998, 1002}, {-5, -4.99}}) {
         const auto ticks = nice_ticks(range);
         ASSERT_GE(ticks.size(), 2u);
         EXPECT_LE(ticks.size(), 7u);

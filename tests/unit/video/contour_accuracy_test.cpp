@@ -78,9 +78,9 @@ TEST_P(ContourAccuracy, DISABLED_Full) { measure(false); }
 TEST_P(ContourAccuracy, DISABLED_Quick) { measure(true); }
 
 INSTANTIATE_TEST_SUITE_P(Films, ContourAccuracy,
-                         testing::Values(Case{"DarkSharp"}, Case{"LightSharp", 0.8, false}, Case{"DarkBlur4", 4}, Case{"LightBlur4", 4, false},
-                                         Case{"DarkBlur4Code", 4, true, 0, 0, true}, Case{"DarkStill", 0.8, true, 0, 10}, Case{"DarkDrift", 0.8, true, 0.2},
-                                         Case{"DarkBlur4Drift", 4, true, 0.2}, Case{"LightBlur4Drift", 4, false, 0.2},
-                                         Case{"Difference", 2, true, 0.2, 0, false, SilhouetteMethod::difference},
-                                         Case{"Threshold", 2, true, 0.1, 0, false, SilhouetteMethod::threshold}),
-                         [](const testing::TestParamInfo<Case>& info) { return info.param.name; });
+    testing::Values(Case{"DarkSharp"}, Case{"LightSharp", 0.8, false}, Case{"DarkBlur4", 4},
+        Case{"LightBlur4", 4, false}, Case{"DarkBlur4Code", 4, true, 0, 0, true}, Case{"DarkStill", 0.8, true, 0, 10},
+        Case{"DarkDrift", 0.8, true, 0.2}, Case{"DarkBlur4Drift", 4, true, 0.2}, Case{"LightBlur4Drift", 4, false, 0.2},
+        Case{"Difference", 2, true, 0.2, 0, false, SilhouetteMethod::difference},
+        Case{"Threshold", 2, true, 0.1, 0, false, SilhouetteMethod::threshold}),
+    [](const testing::TestParamInfo<Case>& info) { return info.param.name; });

@@ -41,7 +41,8 @@ TEST(FilmRaster, BallHasTheAreaOfItsOutline) {
 
 // Two triangles of a square: no sample twice, none between them. Mask and middle samples are one.
 TEST(FilmRaster, SquareCoversExactlyItsPixels) {
-    const double left = (9.5 - 159.5) / 400, right = (29.5 - 159.5) / 400, top = (19.5 - 119.5) / 400, bottom = (24.5 - 119.5) / 400;
+    const double left = (9.5 - 159.5) / 400, right = (29.5 - 159.5) / 400, top = (19.5 - 119.5) / 400,
+                 bottom = (24.5 - 119.5) / 400;
     const std::vector<double> corners = {left, top, 1, right, top, 1, right, bottom, 1, left, bottom, 1};
     const std::vector<std::array<int, 3>> triangles = {{0, 1, 2}, {0, 2, 3}};
     const auto drawing = draw_liquid({3, corners, {}, {}, triangles}, camera(), {}, {});
@@ -53,7 +54,8 @@ TEST(FilmRaster, SquareCoversExactlyItsPixels) {
 }
 
 TEST(FilmRaster, MotionBlurIsCentredOnTheMask) {
-    const auto ball = make_ball({0, 0, 1}, 0.1, 4, {1, 0, 0}); // 400 px a second; the outline of a ball off the axis is 1 / (1 - 0.1^2) further out
+    const auto ball = make_ball({0, 0, 1}, 0.1, 4,
+        {1, 0, 0}); // 400 px a second; the outline of a ball off the axis is 1 / (1 - 0.1^2) further out
     FilmShot shot;
     shot.offset = 0.01;
     shot.exposure = 0.02;
@@ -89,11 +91,14 @@ TEST(FilmRaster, RollingShutterShearsWhatMovesSideways) {
 
 TEST(FilmRaster, SolidsInFrontHideLiquid) {
     const auto ball = make_ball({0, 0, 1}, 0.2, 4);
-    const auto wall = [](const Vec3& x) { return std::max(x[0], std::abs(x[2] - 0.5) - 0.01); }; // the left half, nearer
+    const auto wall = [](const Vec3& x) {
+        return std::max(x[0], std::abs(x[2] - 0.5) - 0.01);
+    }; // the left half, nearer
     const auto solids = draw_solids(camera(), wall, 5);
     EXPECT_NEAR(double(solids.depth[120 * 320 + 10]), 0.49, 1e-3);
     EXPECT_GT(double(solids.depth[120 * 320 + 310]), 1e20);
-    const auto all = draw_liquid(ball.mesh(), camera(), {}, {}), seen = draw_liquid(ball.mesh(), camera(), {}, solids.depth);
+    const auto all = draw_liquid(ball.mesh(), camera(), {}, {}),
+               seen = draw_liquid(ball.mesh(), camera(), {}, solids.depth);
     EXPECT_NEAR(double(seen.mask.area()), 0.5 * double(all.mask.area()), 0.01 * double(all.mask.area()));
     EXPECT_FALSE(seen.mask.liquid(140, 120));
     EXPECT_TRUE(seen.mask.liquid(180, 120));
@@ -107,9 +112,10 @@ TEST(FilmRaster, LiquidBehindTheCameraIsCutAway) {
 }
 
 TEST(FilmRaster, PlaneLiquidWithAHoleIsFilledBetweenItsSegments) {
-    const std::vector<double> points = {-0.2, -0.1, 1, 0.2, -0.1, 1, 0.2, 0.1, 1, -0.2, 0.1, 1,        // outer
-                                        -0.05, -0.05, 1, -0.05, 0.05, 1, 0.05, 0.05, 1, 0.05, -0.05, 1}; // inner, the other way round
-    const std::vector<std::array<int, 3>> segments = {{0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {3, 0, -1}, {4, 5, -1}, {5, 6, -1}, {6, 7, -1}, {7, 4, -1}};
+    const std::vector<double> points = {-0.2, -0.1, 1, 0.2, -0.1, 1, 0.2, 0.1, 1, -0.2, 0.1, 1, // outer
+        -0.05, -0.05, 1, -0.05, 0.05, 1, 0.05, 0.05, 1, 0.05, -0.05, 1}; // inner, the other way round
+    const std::vector<std::array<int, 3>> segments = {
+        {0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {3, 0, -1}, {4, 5, -1}, {5, 6, -1}, {6, 7, -1}, {7, 4, -1}};
     const auto drawing = draw_liquid({2, points, {}, {}, segments}, camera(), {}, {});
     EXPECT_NEAR(covered(drawing), 160 * 80 - 40 * 40, 1);
     EXPECT_TRUE(drawing.mask.liquid(100, 120));

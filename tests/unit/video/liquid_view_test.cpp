@@ -84,7 +84,8 @@ TEST(LiquidView, BallHasItsOutlineItsNormalsAndItsThickness) {
     view.add(ball.mesh());
     double area = 0;
     for (int row = 0; row < view.fine().height(); ++row)
-        for (int column = 0; column < view.fine().width(); ++column) area += view.at(column, row).depth < far_away ? 1 : 0;
+        for (int column = 0; column < view.fine().width(); ++column)
+            area += view.at(column, row).depth < far_away ? 1 : 0;
     const double half = view.fine().scale() * radius / std::sqrt(distance * distance - radius * radius);
     EXPECT_NEAR(area / (std::numbers::pi * half * half), 1, 0.003); // that of a ball of triangles
     const auto middle = view.at(320, 240);
@@ -120,7 +121,8 @@ TEST(LiquidView, CutBallIsADiscInTheFieldsColours) {
         for (const double x : {-0.5, 0.0, 0.5}) {
             const auto p = camera.project({radius * x, 0, radius * z});
             // A spline's mean of a linear field, near the rim of particles on one side: 6 % of the radius at most.
-            if (x * x + z * z < 0.9) EXPECT_LE(off_map(pixel(image, int(p.x), int(p.y)), 0.5 + 0.5 * z), 14) << x << " " << z;
+            if (x * x + z * z < 0.9)
+                EXPECT_LE(off_map(pixel(image, int(p.x), int(p.y)), 0.5 + 0.5 * z), 14) << x << " " << z;
         }
 }
 
@@ -174,9 +176,10 @@ TEST(LiquidView, LiquidsWithoutValuesHaveColoursOfTheirOwn) {
 
 // In the plane: a square with a hole, its values those of the particles.
 TEST(LiquidView, PlaneLiquidIsFilledBetweenItsSegments) {
-    const std::vector<double> points = {-0.4, -0.4, 0, 0.4, -0.4, 0, 0.4, 0.4, 0, -0.4, 0.4, 0,
-                                        -0.1, -0.1, 0, -0.1, 0.1, 0, 0.1, 0.1, 0, 0.1, -0.1, 0};
-    const std::vector<std::array<int, 3>> segments = {{0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {3, 0, -1}, {4, 5, -1}, {5, 6, -1}, {6, 7, -1}, {7, 4, -1}};
+    const std::vector<double> points = {
+        -0.4, -0.4, 0, 0.4, -0.4, 0, 0.4, 0.4, 0, -0.4, 0.4, 0, -0.1, -0.1, 0, -0.1, 0.1, 0, 0.1, 0.1, 0, 0.1, -0.1, 0};
+    const std::vector<std::array<int, 3>> segments = {
+        {0, 1, -1}, {1, 2, -1}, {2, 3, -1}, {3, 0, -1}, {4, 5, -1}, {5, 6, -1}, {6, 7, -1}, {7, 4, -1}};
     const DomainBox domain{{-0.5, -0.5, 0}, {0.5, 0.5, 0}, 2};
     const auto flat = automatic_view(domain, 320, 240);
     LiquidView view({flat, domain, 0.1, {-0.4, 0.4}, {}});
@@ -228,7 +231,8 @@ TEST(Rasteriser, CutShowsTheSectionOfSolids) {
     const auto solid = render_frame(request);
     double area = 0;
     for (int row = 0; row < 240; ++row)
-        for (int column = 0; column < 320; ++column) area += pixel(solid, column, row) != pixel(cut, column, row) ? 1 : 0;
+        for (int column = 0; column < 320; ++column)
+            area += pixel(solid, column, row) != pixel(cut, column, row) ? 1 : 0;
     EXPECT_NE(pixel(solid, 160, 120), empty);
     const double half = camera.scale() * radius / distance;
     EXPECT_NEAR(area / (std::numbers::pi * half * half), 1, 0.03); // the rim's pixels are mixed

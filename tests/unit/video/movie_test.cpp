@@ -61,8 +61,7 @@ TEST_F(MovieFiles, PngHoldsExactlyThePicture) {
     ASSERT_EQ(back.rows, 17);
     for (int row = 0; row < 17; ++row)
         for (int column = 0; column < 31; ++column)
-            for (int k = 0; k < 3; ++k)
-                ASSERT_EQ(back.at<cv::Vec3b>(row, column)[2 - k], image.at(column, row)[k]);
+            for (int k = 0; k < 3; ++k) ASSERT_EQ(back.at<cv::Vec3b>(row, column)[2 - k], image.at(column, row)[k]);
     EXPECT_EQ(count_files(), 1u); // nothing temporary is left
 }
 

@@ -38,8 +38,9 @@ protected:
 };
 
 TEST_F(PivFieldTest, DavisHasUnitsDecimalCommasAndZerosForWhatWasNotMeasured) {
-    const auto field = read("#DaVis 8.1.6 2D-vector 32 2 2 \"position\" \"mm\" \"position\" \"mm\" \"velocity\" \"m/s\"\n"
-                            "-14,9635\t32,4113\t0\t-0\n-14,3424\t32,4113\t0,25\t-1,5e-1\n");
+    const auto field =
+        read("#DaVis 8.1.6 2D-vector 32 2 2 \"position\" \"mm\" \"position\" \"mm\" \"velocity\" \"m/s\"\n"
+             "-14,9635\t32,4113\t0\t-0\n-14,3424\t32,4113\t0,25\t-1,5e-1\n");
     EXPECT_EQ(field.format, "DaVis");
     EXPECT_EQ(field.x, (std::vector{-14.9635, -14.3424}));
     EXPECT_EQ(field.valid, (std::vector<std::uint8_t>{0, 1}));
@@ -50,7 +51,8 @@ TEST_F(PivFieldTest, DavisHasUnitsDecimalCommasAndZerosForWhatWasNotMeasured) {
 }
 
 TEST_F(PivFieldTest, InsightHasItsVariablesInTheTitleAndItsVerdictInTheLastColumn) {
-    const auto field = read("TITLE=\"C:\\a b.vec\" VARIABLES=\"X pixel\", \"Y pixel\", \"U pixel\", \"V pixel\", \"CHC\", DATASETAUXDATA Application=\"PIV\" "
+    const auto field = read("TITLE=\"C:\\a b.vec\" VARIABLES=\"X pixel\", \"Y pixel\", \"U pixel\", \"V pixel\", "
+                            "\"CHC\", DATASETAUXDATA Application=\"PIV\" "
                             "ZONE I=2, J=1, F=POINT\n1539.0, 1546.0, 0.5, -0.25, -1\n1571.0, 1546.0, -2.0, 1.0, 1\n");
     EXPECT_EQ(field.format, "Insight");
     EXPECT_EQ(field.length_unit, "pixel");
@@ -63,7 +65,9 @@ TEST_F(PivFieldTest, InsightHasItsVariablesInTheTitleAndItsVerdictInTheLastColum
 }
 
 TEST_F(PivFieldTest, OpenPivMarksByNanFlagsAndMask) {
-    const auto field = read("# x\ty\tu\tv\tflags\tmask\n1.0e+00\t2.0\tnan\tnan\t1.0\t0.0\n3.0\t2.0\t0.5\t0.25\t0.0\t0.0\n5.0\t2.0\t0.5\t0.25\t0.0\t1.0\n7.0\t2.0\t0.5\t0.25\t1.0\t0.0\n");
+    const auto field = read("# "
+                            "x\ty\tu\tv\tflags\tmask\n1.0e+00\t2.0\tnan\tnan\t1.0\t0.0\n3.0\t2.0\t0.5\t0.25\t0.0\t0."
+                            "0\n5.0\t2.0\t0.5\t0.25\t0.0\t1.0\n7.0\t2.0\t0.5\t0.25\t1.0\t0.0\n");
     EXPECT_EQ(field.format, "OpenPIV");
     EXPECT_EQ(field.valid, (std::vector<std::uint8_t>{0, 1, 0, 0}));
     EXPECT_EQ(field.count_valid(), 1u);
@@ -84,7 +88,8 @@ TEST_F(PivFieldTest, CsvGoesByNamesAndUnits) {
     EXPECT_EQ(si.valid, (std::vector<std::uint8_t>{1, 0}));
     EXPECT_NEAR(si.u[0], 0.02, 1e-15);
     EXPECT_NEAR(si.y[1], 0.008, 1e-15);
-    EXPECT_NE(unit_refusal(read("x [kg],y [kg],u [m/s],v [m/s]\n1,1,1,1\n"), {}).find("which is no length"), std::string::npos);
+    EXPECT_NE(unit_refusal(read("x [kg],y [kg],u [m/s],v [m/s]\n1,1,1,1\n"), {}).find("which is no length"),
+        std::string::npos);
 }
 
 TEST_F(PivFieldTest, WhatIsNoneOfTheseIsRefusedWithItsLine) {
@@ -125,10 +130,11 @@ TEST(RejectSudden, FindsOutliersOfASmoothFlow) {
     std::size_t found = 0, wrongly = 0;
     for (int f = 0; f < times; ++f) {
         for (int i = 0; i < count; ++i) {
-            const bool rejected = !frames[std::size_t(f)].valid[std::size_t(i)], outlier = bad[std::size_t(f)][std::size_t(i)];
+            const bool rejected = !frames[std::size_t(f)].valid[std::size_t(i)],
+                       outlier = bad[std::size_t(f)][std::size_t(i)];
             found += rejected && outlier;
-            const bool beside = (f > 0 && bad[std::size_t(f - 1)][std::size_t(i)]) || (f + 1 < times && bad[std::size_t(f + 1)][std::size_t(i)]) ||
-                                f == 0 || f + 1 == times;
+            const bool beside = (f > 0 && bad[std::size_t(f - 1)][std::size_t(i)]) ||
+                                (f + 1 < times && bad[std::size_t(f + 1)][std::size_t(i)]) || f == 0 || f + 1 == times;
             wrongly += rejected && !outlier && !beside;
         }
     }

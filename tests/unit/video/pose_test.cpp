@@ -84,7 +84,8 @@ double largest_shift(const CameraPose& a, const CameraPose& b) {
     double out = 0;
     for (int i = 0; i < 8; ++i) {
         const Vec3 x{(i & 1) ? 0.06 : 0.0, (i & 2) ? 0.04 : 0.0, (i & 4) ? 0.04 : 0.0};
-        out = std::max(out, std::hypot(first.project(x).x - second.project(x).x, first.project(x).y - second.project(x).y));
+        out = std::max(
+            out, std::hypot(first.project(x).x - second.project(x).x, first.project(x).y - second.project(x).y));
     }
     return out;
 }
@@ -98,7 +99,8 @@ TEST(Pose, JacobiansAreThoseOfDifferences) {
     for (int k = 0; k < 6; ++k) {
         PoseVector up = PoseVector::all(0);
         up[k] = 1e-6;
-        const auto a = CameraModel("", some_lens(), changed(some_pose(), -up)).project(x), b = CameraModel("", some_lens(), changed(some_pose(), up)).project(x);
+        const auto a = CameraModel("", some_lens(), changed(some_pose(), -up)).project(x),
+                   b = CameraModel("", some_lens(), changed(some_pose(), up)).project(x);
         EXPECT_NEAR(jacobian(0, k), (b.x - a.x) / 2e-6, 1e-3 * std::abs(jacobian(0, k)) + 1e-3);
         EXPECT_NEAR(jacobian(1, k), (b.y - a.y) / 2e-6, 1e-3 * std::abs(jacobian(1, k)) + 1e-3);
     }
@@ -131,15 +133,20 @@ TEST(Pose, BadPointsAreRefused) {
     auto points = points_seen(some_pose(), 0, random);
     auto few = points;
     few.resize(3);
-    EXPECT_NE(refusal([&] { (void)pose_of_points(record_of({}), few, {}); }).find("3 points do not fix a pose"), std::string::npos);
+    EXPECT_NE(refusal([&] { (void)pose_of_points(record_of({}), few, {}); }).find("3 points do not fix a pose"),
+        std::string::npos);
     auto mixed = points;
     std::swap(mixed[0].pixel, mixed[7].pixel);
-    EXPECT_NE(refusal([&] { (void)pose_of_points(record_of({}), mixed, {}); }).find("no pose fits the points"), std::string::npos);
+    EXPECT_NE(refusal([&] { (void)pose_of_points(record_of({}), mixed, {}); }).find("no pose fits the points"),
+        std::string::npos);
     auto line = points;
     for (std::size_t i = 0; i < line.size(); ++i) line[i].position = {0.01 * double(i), 0, 0};
-    EXPECT_NE(refusal([&] { (void)pose_of_points(record_of({}), line, {}); }).find("lie on one line"), std::string::npos);
+    EXPECT_NE(
+        refusal([&] { (void)pose_of_points(record_of({}), line, {}); }).find("lie on one line"), std::string::npos);
     points[2].pixel[0] = 700;
-    EXPECT_NE(refusal([&] { (void)pose_of_points(record_of({}), points, {}); }).find("outside of pictures of 640 x 480"), std::string::npos);
+    EXPECT_NE(
+        refusal([&] { (void)pose_of_points(record_of({}), points, {}); }).find("outside of pictures of 640 x 480"),
+        std::string::npos);
 }
 
 TEST(Pose, TablesOfPointsHaveUnits) {
@@ -149,16 +156,24 @@ TEST(Pose, TablesOfPointsHaveUnits) {
         std::ofstream(path) << text;
         return path;
     };
-    for (const auto* text : {"# corners\nx [cm], y [mm], z, u, v\n1, 2, 3, 4.5, 5\n", "x [cm]\ty [mm]\tz\tu\tv\n1\t2\t3\t4.5\t5\n", "x [cm] y [mm] z u v\n1 2 3 4.5 5\n"}) {
+    for (const auto* text : {"# corners\nx [cm], y [mm], z, u, v\n1, 2, 3, 4.5, 5\n",
+             "x [cm]\ty [mm]\tz\tu\tv\n1\t2\t3\t4.5\t5\n", "x [cm] y [mm] z u v\n1 2 3 4.5 5\n"}) {
         const auto points = read_scene_points(write(text));
         ASSERT_EQ(points.size(), 1u);
         EXPECT_EQ(points[0].position, (Vec3{0.01, 0.002, 3}));
         EXPECT_EQ(points[0].pixel, (Vec2{4.5, 5}));
     }
-    EXPECT_NE(refusal([&] { (void)read_scene_points(write("x,y,z,u\n1,2,3,4\n")); }).find("points.csv:1: the column v is missing"), std::string::npos);
-    EXPECT_NE(refusal([&] { (void)read_scene_points(write("x,y,z,u,v\n1,2,3,4\n")); }).find("points.csv:2: has 4 values"), std::string::npos);
-    EXPECT_NE(refusal([&] { (void)read_scene_points(write("x,y,z,u,v\n1,2,3,4,a\n")); }).find("\"a\" is no number"), std::string::npos);
-    EXPECT_NE(refusal([&] { (void)read_scene_points(write("x [kg],y,z,u,v\n1,2,3,4,5\n")); }).find("must be a length"), std::string::npos);
+    EXPECT_NE(refusal([&] {
+        (void)read_scene_points(write("x,y,z,u\n1,2,3,4\n"));
+    }).find("points.csv:1: the column v is missing"),
+        std::string::npos);
+    EXPECT_NE(
+        refusal([&] { (void)read_scene_points(write("x,y,z,u,v\n1,2,3,4\n")); }).find("points.csv:2: has 4 values"),
+        std::string::npos);
+    EXPECT_NE(refusal([&] { (void)read_scene_points(write("x,y,z,u,v\n1,2,3,4,a\n")); }).find("\"a\" is no number"),
+        std::string::npos);
+    EXPECT_NE(refusal([&] { (void)read_scene_points(write("x [kg],y,z,u,v\n1,2,3,4,5\n")); }).find("must be a length"),
+        std::string::npos);
 }
 
 TEST(ContourPose, FindsThePoseFromTwoDegreesAndACentimetreAway) {
@@ -181,11 +196,14 @@ TEST(ContourPose, PartsThatMovedAreLeftOut) {
     const auto truth = some_pose();
     const CameraModel camera("", some_lens(), truth);
     SeenSolid blob = block();
-    blob.distance = [](const Vec3& x) { return std::sqrt(std::pow(x[0] - 0.055, 2) + std::pow(x[1] - 0.02, 2) + std::pow(x[2] - 0.015, 2)) - 0.022; };
+    blob.distance = [](const Vec3& x) {
+        return std::sqrt(std::pow(x[0] - 0.055, 2) + std::pow(x[1] - 0.02, 2) + std::pow(x[2] - 0.015, 2)) - 0.022;
+    };
     blob.centre = {0.055, 0.02, 0.015};
     blob.radius = 0.023;
     Silhouette mask{"mask", look_at(camera, {block(), blob}).mask()};
-    const auto found = refine_on_contour(record_of(changed(truth, {0.01, -0.01, 0.01, 0.003, -0.003, 0.005})), block(), mask, {});
+    const auto found =
+        refine_on_contour(record_of(changed(truth, {0.01, -0.01, 0.01, 0.003, -0.003, 0.005})), block(), mask, {});
     EXPECT_LT(largest_shift(truth, found.estimate.pose), 0.6);
     EXPECT_LT(found.fitting, 0.95);
 }
@@ -194,9 +212,12 @@ TEST(ContourPose, AnotherPlaceIsRefused) {
     const CameraModel camera("", some_lens(), some_pose());
     Silhouette mask{"mask.png", look_at(camera, {block()}).mask()};
     const auto far = changed(some_pose(), {0, 0, 0, 0.2, 0, 0});
-    EXPECT_NE(refusal([&] { (void)refine_on_contour(record_of(far), block(), mask, {}); }).find("lies nowhere near"), std::string::npos);
+    EXPECT_NE(refusal([&] { (void)refine_on_contour(record_of(far), block(), mask, {}); }).find("lies nowhere near"),
+        std::string::npos);
     mask.mask.width /= 2;
-    EXPECT_NE(refusal([&] { (void)refine_on_contour(record_of(some_pose()), block(), mask, {}); }).find("was calibrated for"), std::string::npos);
+    EXPECT_NE(
+        refusal([&] { (void)refine_on_contour(record_of(some_pose()), block(), mask, {}); }).find("was calibrated for"),
+        std::string::npos);
 }
 
 TEST(Levels, VerticalOfATiltedLevelAndAPlumbLine) {
@@ -216,5 +237,8 @@ TEST(Levels, VerticalOfATiltedLevelAndAPlumbLine) {
     for (const double s : {0.0, 0.04, 0.08}) add(plumb, {0.02 + s * up[0], 0, s * up[2]}, 1);
     const auto line = vertical_of_plumb(record_of(some_pose()), plumb, {0, 0, 1}, 0.5);
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(line.up[k], up[k], 1e-6);
-    EXPECT_NE(refusal([&] { (void)vertical_of_level(record_of(some_pose()), {level.begin(), level.begin() + 3}, {0, 0, 1}, 0.5); }).find("lie on one line"), std::string::npos);
+    EXPECT_NE(refusal([&] {
+        (void)vertical_of_level(record_of(some_pose()), {level.begin(), level.begin() + 3}, {0, 0, 1}, 0.5);
+    }).find("lie on one line"),
+        std::string::npos);
 }

@@ -69,17 +69,14 @@ ParticleLayer red_ball(const std::vector<double>& positions, double radius) {
 } // namespace
 
 TEST(View, AutomaticViewsSeeTheWholeDomain) {
-    const DomainBox boxes[] = {{{0, 0, 0}, {1, 1, 1}, 3},
-                               {{-3, 2, 0}, {5, 2.5, 1}, 3},
-                               {{0, 0, -9}, {0.1, 0.1, 0}, 3},
-                               {{0, 0, 0}, {4, 1, 0}, 2},
-                               {{-1, 5, 0}, {0, 9, 0}, 2}};
+    const DomainBox boxes[] = {{{0, 0, 0}, {1, 1, 1}, 3}, {{-3, 2, 0}, {5, 2.5, 1}, 3}, {{0, 0, -9}, {0.1, 0.1, 0}, 3},
+        {{0, 0, 0}, {4, 1, 0}, 2}, {{-1, 5, 0}, {0, 9, 0}, 2}};
     for (const auto& box : boxes)
         for (const auto& [width, height] : {std::pair{1280, 720}, {480, 640}}) {
             const Camera camera(automatic_view(box, width, height));
             for (int i = 0; i < 8; ++i) {
                 const Vec3 corner{(i & 1) ? box.max[0] : box.min[0], (i & 2) ? box.max[1] : box.min[1],
-                                  (i & 4) ? box.max[2] : box.min[2]};
+                    (i & 4) ? box.max[2] : box.min[2]};
                 const auto p = camera.project(corner);
                 EXPECT_GT(p.depth, 0);
                 EXPECT_GT(p.x, 0);
@@ -186,7 +183,7 @@ TEST(Rasteriser, TranslucentLayersLetTheOthersShineThrough) {
     const std::vector<double> near{0, -0.5, 0}, far{0, 0.5, 0};
     auto request = bare(front_view(3));
     request.layers = {{.positions = near, .radius = 0.2, .colour = red, .opacity = 0.5},
-                      {.positions = far, .radius = 0.2, .colour = blue}};
+        {.positions = far, .radius = 0.2, .colour = blue}};
     const auto seen = pixel(render_frame(request), 160, 120);
     EXPECT_GT(seen[0], blue[0]);
     EXPECT_LT(seen[0], red[0]);
@@ -198,11 +195,8 @@ TEST(Rasteriser, ColourOfAValueIsTheMaps) {
     const std::vector<double> positions{-0.5, 0, 0, 0.5, 0, 0}, values{-2, 6};
     for (const auto map : {ColourMap::viridis, ColourMap::diverging}) {
         auto request = bare(front_view(3));
-        request.layers = {{.positions = positions,
-                           .radius = 0.2,
-                           .values = values,
-                           .map = map,
-                           .range = ValueRange{-2, 6}}};
+        request.layers = {
+            {.positions = positions, .radius = 0.2, .values = values, .map = map, .range = ValueRange{-2, 6}}};
         const auto image = render_frame(request);
         const Camera camera(*request.view);
         const auto low = camera.project({-0.5, 0, 0}), high = camera.project({0.5, 0, 0});
@@ -214,8 +208,7 @@ TEST(Rasteriser, ColourOfAValueIsTheMaps) {
 TEST(Rasteriser, ColourBarStandsAtTheRightWhenThereAreValues) {
     auto request = bare(front_view(3));
     const std::vector<double> positions{0, 0, 0}, values{1};
-    request.layers = {
-        {.positions = positions, .radius = 0.2, .title = "speed [m/s]", .range = ValueRange{0, 2}}};
+    request.layers = {{.positions = positions, .radius = 0.2, .title = "speed [m/s]", .range = ValueRange{0, 2}}};
     const auto without = render_frame(request);
     request.layers[0].values = values;
     const auto with = render_frame(request);
@@ -291,8 +284,7 @@ TEST(Rasteriser, LampLightsTheTopMoreThanTheBottom) {
 }
 
 TEST(Rasteriser, PositionsThatAreNotFiniteAreRefused) {
-    for (const double bad :
-         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         auto request = bare(front_view(3));
         const std::vector<double> positions{0, 0, 0, 0, bad, 0};
         request.layers = {red_ball(positions, 0.1)};
@@ -317,8 +309,7 @@ TEST(Rasteriser, LayersThatDoNotFitTogetherAreRefused) {
     EXPECT_THROW(draw({.positions = positions, .radius = 0.1, .values = one}), InputError);
     EXPECT_THROW(draw({.positions = positions, .radius = 0}), InputError);
     EXPECT_THROW(draw({.positions = positions, .radius = 0.1, .opacity = 0}), InputError);
-    EXPECT_THROW(draw({.positions = positions, .radius = 0.1, .values = two, .range = ValueRange{1, 1}}),
-                 InputError);
+    EXPECT_THROW(draw({.positions = positions, .radius = 0.1, .values = two, .range = ValueRange{1, 1}}), InputError);
     EXPECT_THROW(draw({.positions = positions, .radius = 0.1, .values = bad}), SimulationError);
     EXPECT_NO_THROW(draw({.positions = positions, .radius = 0.1, .values = two}));
 }
@@ -329,7 +320,8 @@ TEST(LensRendering, UndistortedLensDrawsAsAPinhole) {
     View measured = pinhole;
     const double f = 120 / std::tan(0.5 * pinhole.vertical_field_of_view);
     // Looks along +y: x right, z up.
-    measured.model = scene::CameraModel("c", {320, 240, f, f, 159.5, 119.5, {}}, {{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}}, {0, 0, 4}});
+    measured.model = scene::CameraModel(
+        "c", {320, 240, f, f, 159.5, 119.5, {}}, {{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}}, {0, 0, 4}});
     const std::vector<double> balls{0, 0, 0, 0.9, 0.3, -0.5, -0.8, -0.2, 0.6};
     auto a = bare(pinhole), b = bare(measured);
     a.layers = b.layers = {{.positions = balls, .radius = 0.3, .colour = red}};
@@ -339,7 +331,7 @@ TEST(LensRendering, UndistortedLensDrawsAsAPinhole) {
 // Area and centre of a ball through a distorted lens against its outline, projected point by point.
 TEST(LensRendering, BallsHaveTheOutlineThatTheLensMakes) {
     const scene::CameraModel lens("c", {320, 240, 280, 284, 165, 116, {-0.3, 0.1, 0.002, -0.001, 0, 0, 0, 0}},
-                                  {{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}}, {0, 0, 4}});
+        {{Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}}, {0, 0, 4}});
     View view = front_view(4);
     view.model = lens;
     const double radius = 0.35;

@@ -48,9 +48,11 @@ Accuracy compare(const TestFilm& film, const Found& found) {
         worst.deviation = std::max(worst.deviation, error.deviation);
         ++worst.frames;
         if (std::getenv("SHOW") != nullptr && k % 10 == 0)
-            std::printf("frame %2zu: mean %.3f by area %.3f sd %.3f max %.2f iou %.4f area %zu width %.2f faint %.0f gain %.3f specks %d\n", k, error.mean,
-                        error.mean_by_area, error.deviation, error.largest, error.overlap, exact.area(), found.frames[k].edge_width, found.frames[k].faint,
-                        found.frames[k].gain, found.frames[k].cleaning.specks);
+            std::printf("frame %2zu: mean %.3f by area %.3f sd %.3f max %.2f iou %.4f area %zu width %.2f faint %.0f "
+                        "gain %.3f specks %d\n",
+                k, error.mean, error.mean_by_area, error.deviation, error.largest, error.overlap, exact.area(),
+                found.frames[k].edge_width, found.frames[k].faint, found.frames[k].gain,
+                found.frames[k].cleaning.specks);
     }
     return worst;
 }
@@ -80,7 +82,9 @@ void expect_accurate(const Accuracy& worst) {
 }
 } // namespace
 
-TEST_F(Silhouettes, DarkLiquidOnALightBackgroundIsFoundToAFifthOfAPixel) { expect_accurate(measure(folder, standard())); }
+TEST_F(Silhouettes, DarkLiquidOnALightBackgroundIsFoundToAFifthOfAPixel) {
+    expect_accurate(measure(folder, standard()));
+}
 
 TEST_F(Silhouettes, ABlurOf4PixelsDoesNotMoveTheContour) {
     auto film = standard();
@@ -163,7 +167,8 @@ TEST_F(Silhouettes, TurnedFilesGiveTheSameMasks) {
         SourceRequest request;
         request.clip = folder / "a.mp4";
         found.push_back(make(request, {}));
-        for (std::size_t k = 0; k < film.times.size(); ++k) EXPECT_EQ(found.back().frames[k].mask.pixels, found.front().frames[k].mask.pixels) << degrees;
+        for (std::size_t k = 0; k < film.times.size(); ++k)
+            EXPECT_EQ(found.back().frames[k].mask.pixels, found.front().frames[k].mask.pixels) << degrees;
     }
 }
 
@@ -228,7 +233,8 @@ TEST_F(Silhouettes, SmallShiftsOfTheCameraAreTakenOutAndLargeOnesRefused) {
                 const bool late = k >= 16;
                 for (int y = 0; y < film.look.height; ++y)
                     for (int x = 0; x < film.look.width; ++x) {
-                        const double d = film.distance(x + (late ? moved.shake[0] : 0), y + (late ? moved.shake[1] : 0), film.times[k]);
+                        const double d = film.distance(
+                            x + (late ? moved.shake[0] : 0), y + (late ? moved.shake[1] : 0), film.times[k]);
                         light.coverage.push_back(float(std::clamp(0.5 - d, 0.0, 1.0)));
                         for (const double c : film.liquid) light.liquid.push_back(float(c));
                     }
@@ -254,7 +260,7 @@ TEST_F(Silhouettes, ReadyMasksPassUnchanged) {
     film.times = test::steady_times(6, 2);
     for (std::size_t k = 0; k < 6; ++k) {
         auto mask = film.mask(film.times[k]);
-        mask.pixels[5] = mask_liquid; // a speck and a hole stay
+        mask.pixels[5] = mask_liquid;                                      // a speck and a hole stay
         for (auto& value : mask.pixels) value = std::uint8_t(255 - value); // black liquid
         write_mask(folder / ("m_" + std::to_string(k) + ".png"), mask);
     }
@@ -275,7 +281,9 @@ TEST(ContourError, OfADiscThatIsTooLargeByAKnownAmount) {
     const auto disc = [](double radius) {
         Mask mask{200, 200, std::vector<std::uint8_t>(40000)};
         for (int y = 0; y < 200; ++y)
-            for (int x = 0; x < 200; ++x) mask.pixels[std::size_t(200 * y + x)] = std::hypot(x - 100.3, y - 99.6) < radius ? mask_liquid : mask_background;
+            for (int x = 0; x < 200; ++x)
+                mask.pixels[std::size_t(200 * y + x)] =
+                    std::hypot(x - 100.3, y - 99.6) < radius ? mask_liquid : mask_background;
         return mask;
     };
     const auto same = compare_contours(disc(60), disc(60));

@@ -28,7 +28,8 @@ struct TestFilm {
         const double u = x - look.width * (0.4 + 0.15 * grown), v = y - look.height * 0.5;
         const double r = std::hypot(u, v), angle = std::atan2(v, u);
         const double edge = radius * (1 + 0.2 * std::cos(3 * angle + 0.4) + 0.06 * std::sin(7 * angle));
-        const double slope = radius * (-0.6 * std::sin(3 * angle + 0.4) + 0.42 * std::cos(7 * angle)) / std::max(r, 1.0);
+        const double slope =
+            radius * (-0.6 * std::sin(3 * angle + 0.4) + 0.42 * std::cos(7 * angle)) / std::max(r, 1.0);
         return (r - edge) / std::sqrt(1 + slope * slope);
     }
 
@@ -36,7 +37,8 @@ struct TestFilm {
         video::Mask mask{look.width, look.height, std::vector<std::uint8_t>(std::size_t(look.width * look.height))};
         for (int y = 0; y < look.height; ++y)
             for (int x = 0; x < look.width; ++x)
-                mask.pixels[std::size_t(y * look.width + x)] = distance(x, y, time) < 0 ? video::mask_liquid : video::mask_background;
+                mask.pixels[std::size_t(y * look.width + x)] =
+                    distance(x, y, time) < 0 ? video::mask_liquid : video::mask_background;
         return mask;
     }
 
@@ -60,7 +62,8 @@ struct TestFilm {
         options.height = look.height;
         video::ClipWriter writer(path, options);
         const video::FilmPainter painter(look);
-        for (std::size_t k = 0; k < times.size(); ++k) writer.add(painter.paint(light(times[k]), phase(k), k), times[k]);
+        for (std::size_t k = 0; k < times.size(); ++k)
+            writer.add(painter.paint(light(times[k]), phase(k), k), times[k]);
         writer.finish();
     }
 };

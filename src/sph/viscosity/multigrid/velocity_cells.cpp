@@ -85,7 +85,8 @@ void VelocityCells<D>::connect(const Comm& comm) {
     for (std::size_t e = 0; e < cell_keys.size(); ++e) {
         int cell[3];
         LatticeKey::unpack(cell_keys[e], cell);
-        for (int a = 0; a < n; ++a) host_corner[n * e + static_cast<std::size_t>(a)] = node_numbers.number(corner_key<D>(shape, cell, a));
+        for (int a = 0; a < n; ++a)
+            host_corner[n * e + static_cast<std::size_t>(a)] = node_numbers.number(corner_key<D>(shape, cell, a));
     }
     nodes = node_numbers.size();
     const auto count = static_cast<std::size_t>(nodes);
@@ -106,7 +107,8 @@ void VelocityCells<D>::connect(const Comm& comm) {
 }
 
 template <int D>
-void VelocityCells<D>::finish(const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue) {
+void VelocityCells<D>::finish(
+    const Element<D>& unit, const typename Element<D>::Matrix& matrix, double largest_eigenvalue) {
     element = unit;
     largest = largest_eigenvalue;
     assign(stiffness, host_stiffness);
@@ -132,20 +134,21 @@ void VelocityCells<D>::finish(const Element<D>& unit, const typename Element<D>:
     assign(block, blocks);
     shared.add(block, 12);
     const auto matrices = block;
-    Kokkos::parallel_for("treacle::velocity_blocks", nodes, KOKKOS_LAMBDA(int v) {
-        float* b = matrices.data() + 12 * std::int64_t(v);
-        const double most = math::max(math::max(b[0], b[5]), b[10]);
-        if (!(most > 1e-30)) { // nothing holds the node, and nothing pulls at it
-            for (int k = 0; k < 12; ++k) b[k] = 0;
-            return;
-        }
-        const double scale = 1 / most;
-        const Symmetric inverted = inverse(Symmetric{scale * b[0], scale * b[5], D > 2 ? scale * b[10] : 1, scale * b[1],
-                                                     scale * b[2], scale * b[6]});
-        const double entries[12] = {inverted.xx, inverted.xy, inverted.xz, 0, inverted.xy, inverted.yy,
-                                    inverted.yz, 0, inverted.xz, inverted.yz, D > 2 ? inverted.zz : 0, 0};
-        for (int k = 0; k < 12; ++k) b[k] = static_cast<float>(scale * entries[k]);
-    });
+    Kokkos::parallel_for(
+        "treacle::velocity_blocks", nodes, KOKKOS_LAMBDA(int v) {
+            float* b = matrices.data() + 12 * std::int64_t(v);
+            const double most = math::max(math::max(b[0], b[5]), b[10]);
+            if (!(most > 1e-30)) { // nothing holds the node, and nothing pulls at it
+                for (int k = 0; k < 12; ++k) b[k] = 0;
+                return;
+            }
+            const double scale = 1 / most;
+            const Symmetric inverted = inverse(Symmetric{
+                scale * b[0], scale * b[5], D > 2 ? scale * b[10] : 1, scale * b[1], scale * b[2], scale * b[6]});
+            const double entries[12] = {inverted.xx, inverted.xy, inverted.xz, 0, inverted.xy, inverted.yy, inverted.yz,
+                0, inverted.xz, inverted.yz, D > 2 ? inverted.zz : 0, 0};
+            for (int k = 0; k < 12; ++k) b[k] = static_cast<float>(scale * entries[k]);
+        });
 }
 
 template <int D>
@@ -165,7 +168,8 @@ template <int D>
 void VelocityCells<D>::subtract_product() {
     multiply();
     const auto from = r, product = q;
-    Kokkos::parallel_for("treacle::velocity_residual", 4 * nodes, KOKKOS_LAMBDA(int k) { from(k) -= product(k); });
+    Kokkos::parallel_for(
+        "treacle::velocity_residual", 4 * nodes, KOKKOS_LAMBDA(int k) { from(k) -= product(k); });
 }
 
 template <int D>
@@ -181,7 +185,7 @@ void VelocityCells<D>::smooth(int steps, double share, bool first) {
             rho = next;
         }
         Kokkos::parallel_for("treacle::velocity_smooth", nodes,
-                             Smooth{first && k == 0, static_cast<float>(old), static_cast<float>(fresh), block, q, r, d, z});
+            Smooth{first && k == 0, static_cast<float>(old), static_cast<float>(fresh), block, q, r, d, z});
     }
 }
 
@@ -190,7 +194,8 @@ std::size_t VelocityCells<D>::bytes() const {
     std::size_t out = 8 * cell_keys.capacity() + node_numbers.bytes() +
                       4 * (host_stiffness.capacity() + host_mass.capacity() + host_corner.capacity()) + shared.bytes();
     for (const auto* array : {&corner, &around, &parents, &children}) out += 4 * array->span();
-    for (const auto* array : {&stiffness, &mass, &block, &force, &r, &z, &d, &q, &parent_weight}) out += 4 * array->span();
+    for (const auto* array : {&stiffness, &mass, &block, &force, &r, &z, &d, &q, &parent_weight})
+        out += 4 * array->span();
     return out;
 }
 

@@ -35,17 +35,17 @@ struct VelocityCells {
     Element<D> element;
     double largest = 1; // bound on the eigenvalues of the diagonal blocks' inverses times the matrix
 
-    SharedNodeSum shared;                                     // nodes that several ranks have
-    Array<int> corner{"treacle::velocity_corners", 0};     // [cells][corners] nodes
-    Array<int> around{"treacle::velocity_around", 0};      // [nodes][corners] cell * corners + corner, -1: none
+    SharedNodeSum shared;                              // nodes that several ranks have
+    Array<int> corner{"treacle::velocity_corners", 0}; // [cells][corners] nodes
+    Array<int> around{"treacle::velocity_around", 0};  // [nodes][corners] cell * corners + corner, -1: none
     Array<float> stiffness{"treacle::velocity_stiffness", 0}, mass{"treacle::velocity_mass", 0}; // [cells], [nodes]
-    Array<float> block{"treacle::velocity_blocks", 0};     // [nodes][3][4] inverses of the diagonal blocks
-    Array<float> force{"treacle::velocity_forces", 0};     // [cells][corners][4]
+    Array<float> block{"treacle::velocity_blocks", 0}; // [nodes][3][4] inverses of the diagonal blocks
+    Array<float> force{"treacle::velocity_forces", 0}; // [cells][corners][4]
     Array<float> r{"treacle::velocity_r", 0}, z{"treacle::velocity_z", 0}; // [nodes][4]
     Array<float> d{"treacle::velocity_d", 0}, q{"treacle::velocity_q", 0}; // [nodes][4] last change of z, A d
-    Array<int> parents{"treacle::velocity_parents", 0};    // [nodes][corners] nodes of the next level, -1: none
+    Array<int> parents{"treacle::velocity_parents", 0}; // [nodes][corners] nodes of the next level, -1: none
     Array<float> parent_weight{"treacle::velocity_parent_weight", 0}; // [nodes], the same for each of them
-    Array<int> children{"treacle::velocity_children", 0};  // of the level before: [nodes][3^D], -1: none
+    Array<int> children{"treacle::velocity_children", 0};             // of the level before: [nodes][3^D], -1: none
 
     // Collective: from cell_keys and shape, the nodes and what lies around them.
     void connect(const Comm& comm);

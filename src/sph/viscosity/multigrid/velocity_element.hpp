@@ -36,7 +36,9 @@ public:
             }
             for (int k = 0; k < 4; ++k) {
                 const bool along = k < D && (m >> k & 1);
-                diagonal_[m][k] = m > 0 && k < D ? static_cast<float>(third * (slopes + (along ? energy.transposed * scale(k, k) : 0))) : 0;
+                diagonal_[m][k] = m > 0 && k < D ? static_cast<float>(
+                                                       third * (slopes + (along ? energy.transposed * scale(k, k) : 0)))
+                                                 : 0;
             }
         }
         for (int k = 0; k < D; ++k) {
@@ -115,8 +117,10 @@ private:
 template <int D>
 double largest_eigenvalue(const typename Element<D>::Matrix& matrix) {
     typename Element<D>::Matrix blocks = Element<D>::Matrix::Zero();
-    for (int a = 0; a < corners<D>; ++a) blocks.template block<D, D>(D * a, D * a) = matrix.template block<D, D>(D * a, D * a);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<typename Element<D>::Matrix> solver(matrix, blocks, Eigen::EigenvaluesOnly);
+    for (int a = 0; a < corners<D>; ++a)
+        blocks.template block<D, D>(D * a, D * a) = matrix.template block<D, D>(D * a, D * a);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<typename Element<D>::Matrix> solver(
+        matrix, blocks, Eigen::EigenvaluesOnly);
     return std::max(1.0, solver.eigenvalues().maxCoeff());
 }
 

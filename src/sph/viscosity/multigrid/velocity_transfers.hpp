@@ -81,7 +81,8 @@ struct ParticleForces {
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
             const float* share = members.share.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);
-            const Float4 on = Float4::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
+            const Float4 on =
+                Float4::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
             for (int a = 0; a < corners<D>; ++a) sum[a].add(Float4(share[a]), on);
         }
         float* to = force.data() + 4 * corners<D> * std::int64_t(e);
@@ -101,7 +102,8 @@ struct ParticleVelocities {
     KOKKOS_INLINE_FUNCTION void operator()(int e, double& sum) const {
         Float4 around[corners<D>];
         double product = 0;
-        for (int a = 0; a < corners<D>; ++a) around[a] = Float4::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
+        for (int a = 0; a < corners<D>; ++a)
+            around[a] = Float4::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
             const float* share = members.share.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);

@@ -30,8 +30,7 @@ struct ViscousMultilevel::Levels {
 namespace {
 GradientEnergy energy_of(ViscosityForm form) {
     switch (form) {
-    case ViscosityForm::laplacian:
-        return {1, 0};
+    case ViscosityForm::laplacian: return {1, 0};
     default: // of the pairwise one nearly
         return {1, 1};
     }
@@ -40,7 +39,8 @@ GradientEnergy energy_of(ViscosityForm form) {
 template <int D>
 class CellLevels : public ViscousMultilevel::Levels {
 public:
-    CellLevels(const Comm& comm, const CellGrid& grid, double spacing, const GradientEnergy& energy) : comm_(comm), energy_(energy) {
+    CellLevels(const Comm& comm, const CellGrid& grid, double spacing, const GradientEnergy& energy)
+        : comm_(comm), energy_(energy) {
         for (int k = 0; k < D; ++k) {
             origin_[k] = grid.origin[k];
             finest_.width[k] = spacings_across * spacing;
@@ -135,7 +135,8 @@ void CellLevels<D>::sort_particles(const ViscousContext& parts, const ViscousOpe
         level.host_stiffness[e] += static_cast<float>(share(i) / square);
         for (std::size_t a = 0; a < corners<D>; ++a) {
             const float one = sorted[corners<D> * m + a] = shares[corners<D> * i + a];
-            level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] += one * inertia_and_wall_diagonal(i);
+            level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] +=
+                one * inertia_and_wall_diagonal(i);
         }
     }
     assign(members_.begin, begin);
@@ -169,7 +170,8 @@ bool CellLevels<D>::coarsen(Level& fine, Level& coarse) const {
     coarse.host_stiffness.assign(coarse.cell_keys.size(), 0.0f);
     const double widths = fine.shape.width[0] / coarse.shape.width[0];
     for (std::size_t e = 0; e < of.size(); ++e) {
-        coarse.host_stiffness[static_cast<std::size_t>(of[e])] += static_cast<float>(widths * widths) * fine.host_stiffness[e];
+        coarse.host_stiffness[static_cast<std::size_t>(of[e])] +=
+            static_cast<float>(widths * widths) * fine.host_stiffness[e];
     }
     coarse.connect(comm_);
     coarsen_masses(fine, coarse);
@@ -240,8 +242,10 @@ void CellLevels<D>::set_up(const ViscousContext& parts, const ViscousOperator& o
     for (;;) {
         if (levels_.size() == used_) levels_.emplace_back();
         auto& level = levels_[used_];
-        if (used_ == 0) sort_particles(parts, of, level);
-        else if (!coarsen(levels_[used_ - 1], level)) return;
+        if (used_ == 0)
+            sort_particles(parts, of, level);
+        else if (!coarsen(levels_[used_ - 1], level))
+            return;
         ++used_;
         finish(level);
         dense_ = comm_.sum(std::int64_t{level.nodes}) <= dense_nodes;
@@ -264,13 +268,15 @@ void CellLevels<D>::factorise(const Level& level) {
     dense_row_.resize(keys.size());
     for (std::size_t v = 0; v < keys.size(); ++v) {
         dense_row_[v] = static_cast<std::size_t>(D * numbers.find(keys[v]));
-        for (std::size_t k = 0; k < D; ++k) entries[(dense_row_[v] + k) * (n + 1)] += static_cast<double>(level.host_mass[v]);
+        for (std::size_t k = 0; k < D; ++k)
+            entries[(dense_row_[v] + k) * (n + 1)] += static_cast<double>(level.host_mass[v]);
     }
     for (std::size_t e = 0; e < level.cell_keys.size(); ++e) {
         for (std::size_t a = 0; a < Element<D>::unknowns; ++a) {
             const auto row = dense_row_[static_cast<std::size_t>(level.host_corner[corners<D> * e + a / D])] + a % D;
             for (std::size_t b = 0; b < Element<D>::unknowns; ++b) {
-                const auto column = dense_row_[static_cast<std::size_t>(level.host_corner[corners<D> * e + b / D])] + b % D;
+                const auto column =
+                    dense_row_[static_cast<std::size_t>(level.host_corner[corners<D> * e + b / D])] + b % D;
                 entries[row * n + column] +=
                     static_cast<double>(level.host_stiffness[e]) * matrix_(static_cast<int>(a), static_cast<int>(b));
             }
@@ -291,10 +297,12 @@ void CellLevels<D>::solve_densely(Level& level) {
         for (std::size_t k = 0; k < D; ++k) right[dense_row_[v] + k] += static_cast<double>(first(v) * r(4 * v + k));
     }
     comm_.sum(std::span(right));
-    const Eigen::VectorXd solution = factor_.solve(Eigen::Map<const Eigen::VectorXd>(right.data(), static_cast<int>(right.size())));
+    const Eigen::VectorXd solution =
+        factor_.solve(Eigen::Map<const Eigen::VectorXd>(right.data(), static_cast<int>(right.size())));
     std::vector<float> z(dense_row_.size() * 4, 0.0f);
     for (std::size_t v = 0; v < dense_row_.size(); ++v) {
-        for (std::size_t k = 0; k < D; ++k) z[4 * v + k] = static_cast<float>(solution(static_cast<int>(dense_row_[v] + k)));
+        for (std::size_t k = 0; k < D; ++k)
+            z[4 * v + k] = static_cast<float>(solution(static_cast<int>(dense_row_[v] + k)));
     }
     assign(level.z, z);
 }
@@ -309,24 +317,24 @@ void CellLevels<D>::cycle(std::size_t depth) {
     if (last) return;
     auto& next = levels_[depth + 1];
     level.subtract_product();
-    Kokkos::parallel_for("treacle::velocity_restrict", next.nodes, Restrict<D>{next.children, level.shared.first(), level.r, next.r});
+    Kokkos::parallel_for(
+        "treacle::velocity_restrict", next.nodes, Restrict<D>{next.children, level.shared.first(), level.r, next.r});
     next.shared.add(next.r, 4);
     cycle(depth + 1);
     Kokkos::parallel_for("treacle::velocity_prolong", level.nodes,
-                         Prolong<D>{level.parents, level.parent_weight, next.z, level.d, level.z});
+        Prolong<D>{level.parents, level.parent_weight, next.z, level.d, level.z});
     level.smooth(smoother_steps, smoothed_share, false);
 }
 
 template <int D>
 double CellLevels<D>::apply(const ViscousOperator& of, const Array3& r, const Array3& z) {
     auto& level = levels_.front();
-    Kokkos::parallel_for("treacle::velocity_of_particles", level.cells,
-                         ParticleForces<D>{members_, r, level.force});
+    Kokkos::parallel_for("treacle::velocity_of_particles", level.cells, ParticleForces<D>{members_, r, level.force});
     level.sum_forces();
     cycle(0);
     double sum = 0;
     Kokkos::parallel_reduce("treacle::velocity_to_particles", level.cells,
-                            ParticleVelocities<D>{members_, level.corner, level.z, of.block(), r, z}, sum);
+        ParticleVelocities<D>{members_, level.corner, level.z, of.block(), r, z}, sum);
     return level.cells > 0 ? sum : 0;
 }
 
@@ -351,7 +359,9 @@ void ViscousMultilevel::set_up(const ViscousContext& parts, const ViscousOperato
     if (!levels_) levels_ = make_levels(parts, grid_);
     levels_->set_up(parts, of);
 }
-double ViscousMultilevel::apply(const ViscousOperator& of, const Array3& r, const Array3& z) { return levels_->apply(of, r, z); }
+double ViscousMultilevel::apply(const ViscousOperator& of, const Array3& r, const Array3& z) {
+    return levels_->apply(of, r, z);
+}
 std::size_t ViscousMultilevel::bytes() const { return levels_ ? levels_->bytes() : 0; }
 
 } // namespace treacle::sph

@@ -5,7 +5,9 @@
 namespace treacle::sph {
 
 // a.b, and out = A x.
-KOKKOS_INLINE_FUNCTION double inner(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+KOKKOS_INLINE_FUNCTION double inner(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 KOKKOS_INLINE_FUNCTION void times(const double a[3][3], const double x[3], double out[3]) {
     for (int k = 0; k < 3; ++k) out[k] = inner(a[k], x);
 }
@@ -23,7 +25,9 @@ KOKKOS_INLINE_FUNCTION void cut_columns(const double n[3], double a[3][3]) {
 }
 
 // h = (mu_j - mu_i) / (mu_i + mu_j), of viscosities or shares. A pair of two liquids counts f = 1 + h times for i, 1 - h times for j.
-KOKKOS_INLINE_FUNCTION double viscous_contrast(double own, double other) { return own + other > 0 ? (other - own) / (own + other) : 0; }
+KOKKOS_INLINE_FUNCTION double viscous_contrast(double own, double other) {
+    return own + other > 0 ? (other - own) / (own + other) : 0;
+}
 // Contrast h of two particles, 0 within one liquid.
 struct ViscousContrast {
     bool any = false;
@@ -43,20 +47,21 @@ KOKKOS_INLINE_FUNCTION bool is_normal(double x, double y, double z) { return x !
 // Moments of the neighbours around a particle beside an interface, of which its stress is made.
 struct InterfaceShape {
     enum { numbers = 18 };
-    Symmetric spread, squares;             // B = sum w f x x^T with the solids; sum w f (f^2 - 1) x x^T
-    double skew[3] = {0, 0, 0};            // b = sum w f h (n.x) x
-    double normal[3] = {0, 0, 0};          // n, 0: none, and its stress is that of one liquid
+    Symmetric spread, squares;    // B = sum w f x x^T with the solids; sum w f (f^2 - 1) x x^T
+    double skew[3] = {0, 0, 0};   // b = sum w f h (n.x) x
+    double normal[3] = {0, 0, 0}; // n, 0: none, and its stress is that of one liquid
 
     // True beside an interface.
     KOKKOS_INLINE_FUNCTION bool has_normal() const { return is_normal(normal[0], normal[1], normal[2]); }
 };
-using InterfaceShapes = Kokkos::View<double* [InterfaceShape::numbers], Kokkos::LayoutRight, Memory>; // [rows][18]
+using InterfaceShapes = Kokkos::View<double * [InterfaceShape::numbers], Kokkos::LayoutRight, Memory>; // [rows][18]
 
 // Shape in row `row`: spread, squares, skew, normal, one after the other.
 template <class Numbers>
 KOKKOS_INLINE_FUNCTION InterfaceShape read_shape(const Numbers& from, int row) {
     const auto symmetric = [&](int at) {
-        return Symmetric{from(row, at), from(row, at + 1), from(row, at + 2), from(row, at + 3), from(row, at + 4), from(row, at + 5)};
+        return Symmetric{from(row, at), from(row, at + 1), from(row, at + 2), from(row, at + 3), from(row, at + 4),
+            from(row, at + 5)};
     };
     InterfaceShape out{symmetric(0), symmetric(6)};
     for (int k = 0; k < 3; ++k) out.skew[k] = from(row, 12 + k), out.normal[k] = from(row, 15 + k);
@@ -107,7 +112,8 @@ struct InterfacePull {
         const double facing = inner(normal, x), parting = inner(normal, u);
         for (int k = 0; k < 3; ++k) {
             const double turned = inner(stress.across[k], x) + damping * (u[k] - normal[k] * parting);
-            to[k] += weight * (inner(stress.q[k], x) + damping * u[k] + square * turned + h * stress.tilted[k] * facing);
+            to[k] +=
+                weight * (inner(stress.q[k], x) + damping * u[k] + square * turned + h * stress.tilted[k] * facing);
         }
     }
 };
@@ -115,7 +121,7 @@ struct InterfacePull {
 // The stress of a particle beside an interface: that of V mu (S:S + kappa/2 sum w f |r|^2), c = dt/m V mu (src/sph/theory.md). Writes S as well.
 struct InterfaceLaw {
     InterfaceShape shape;
-    Symmetric fit; // B^+
+    Symmetric fit;         // B^+
     double share, damping; // c [m2], kappa [1]
 
     KOKKOS_INLINE_FUNCTION void operator()(const InterfaceSums& sums, double s[3][3], InterfaceStress& out) const {
@@ -129,14 +135,16 @@ struct InterfaceLaw {
         add_shear(sums, t, shear, inside, out);
         for (int k = 0; k < 3; ++k) {
             fit.times(inside[k], out.q[k]);
-            for (int l = 0; l < 3; ++l) out.q[k][l] = share * (out.q[k][l] - damping * (t[k][l] + shear[k] * shape.normal[l]));
+            for (int l = 0; l < 3; ++l)
+                out.q[k][l] = share * (out.q[k][l] - damping * (t[k][l] + shear[k] * shape.normal[l]));
         }
     }
 
 private:
     // t = 2 P S n, of pairs whose tangential velocities part by t (n.x) / f. Takes from G what of it goes with the traction, q n^T of
     // q = P (G + G^T) n, and puts t in its place in S.
-    KOKKOS_INLINE_FUNCTION void find_shear(const InterfaceSums& sums, double g[3][3], double s[3][3], double shear[3]) const {
+    KOKKOS_INLINE_FUNCTION void find_shear(
+        const InterfaceSums& sums, double g[3][3], double s[3][3], double shear[3]) const {
         const double* n = shape.normal;
         double q[3], skewed[3], facing[3], more[3];
         times(s, n, q);
@@ -157,8 +165,8 @@ private:
             }
         }
     }
-    KOKKOS_INLINE_FUNCTION void add_shear(const InterfaceSums& sums, const double t[3][3], const double shear[3], double inside[3][3],
-                                          InterfaceStress& out) const {
+    KOKKOS_INLINE_FUNCTION void add_shear(const InterfaceSums& sums, const double t[3][3], const double shear[3],
+        double inside[3][3], InterfaceStress& out) const {
         const double* n = shape.normal;
         double facing[3], z[3][3], along_normal[3];
         shape.spread.times(n, facing);
@@ -176,14 +184,15 @@ private:
         cut_columns(n, out.across);
     }
     // Z = sum w f^2 P r x^T, r = (1 + h P) (u - T x) - t (n.x).
-    KOKKOS_INLINE_FUNCTION void left_over(const InterfaceSums& sums, const double t[3][3], const double shear[3], const double facing[3],
-                                          double z[3][3]) const {
+    KOKKOS_INLINE_FUNCTION void left_over(const InterfaceSums& sums, const double t[3][3], const double shear[3],
+        const double facing[3], double z[3][3]) const {
         for (int k = 0; k < 3; ++k) {
             double plain[3], bent[3];
             shape.spread.times(t[k], plain);
             shape.squares.times(t[k], bent);
             for (int l = 0; l < 3; ++l) {
-                z[k][l] = sums.n[k][l] - plain[l] + sums.squares[k][l] - bent[l] - shear[k] * (facing[l] + shape.skew[l]);
+                z[k][l] =
+                    sums.n[k][l] - plain[l] + sums.squares[k][l] - bent[l] - shear[k] * (facing[l] + shape.skew[l]);
             }
         }
         cut_columns(shape.normal, z);

@@ -12,7 +12,7 @@ namespace {
 struct NearLiquid {
     Pairs from;
     Array4 place;
-    double square; // of the support [m2]
+    double square;             // of the support [m2]
     Array<std::uint8_t> masks; // of the pairs of the list that go through the formula together
 
     KOKKOS_INLINE_FUNCTION int count(int i) const {
@@ -59,13 +59,16 @@ template <class Near>
 void keep(const Near& from, int n, NeighbourList& near) {
     reserve(near.offset, static_cast<std::size_t>(n) + 1);
     const auto offset = near.offset;
-    Kokkos::parallel_for("treacle::count_near_pairs", n, KOKKOS_LAMBDA(int i) { offset(i) = from.count(i); });
+    Kokkos::parallel_for(
+        "treacle::count_near_pairs", n, KOKKOS_LAMBDA(int i) { offset(i) = from.count(i); });
     near.size = counts_to_offsets(offset, n);
     reserve(near.index, static_cast<std::size_t>(near.size) + NeighbourList::padding);
     const auto index = near.index;
-    Kokkos::parallel_for("treacle::write_near_pairs", n, KOKKOS_LAMBDA(int i) { from.write(i, index.data() + offset(i)); });
+    Kokkos::parallel_for(
+        "treacle::write_near_pairs", n, KOKKOS_LAMBDA(int i) { from.write(i, index.data() + offset(i)); });
     const auto entries = near.size;
-    Kokkos::parallel_for("treacle::pad_near_pairs", NeighbourList::padding, KOKKOS_LAMBDA(int k) { index(entries + k) = 0; });
+    Kokkos::parallel_for(
+        "treacle::pad_near_pairs", NeighbourList::padding, KOKKOS_LAMBDA(int k) { index(entries + k) = 0; });
 }
 } // namespace
 
@@ -85,9 +88,11 @@ ViscousScene NearPairs::among(const ViscousScene& scene) {
     const int n = liquid.owned();
     pack_positions(scene.liquid, scene.liquid.volume());
     reserve(masks_, static_cast<std::size_t>(NearLiquid::count_masks(scene.neighbours.liquid.size, n)));
-    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support, masks_}, n, near_.liquid);
+    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support, masks_}, n,
+        near_.liquid);
     keep(NearSolids{pairs(scene.neighbours.solid, liquid, scene.solid.store), support * support}, n, near_.solid);
-    return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo, scene.cells}, scene.forces, scene.solid_halo};
+    return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo, scene.cells},
+        scene.forces, scene.solid_halo};
 }
 
 std::size_t NearPairs::bytes() const { return near_.liquid.bytes() + near_.solid.bytes() + masks_.span(); }

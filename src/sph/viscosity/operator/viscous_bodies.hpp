@@ -35,7 +35,8 @@ public:
     std::vector<double> precondition(std::span<const double> r) const;
 
     std::size_t bytes() const { // of this rank [bytes]
-        return sizeof(double) * (motion_.span() + factor_.capacity() + (columns_.empty() ? 0 : columns_.size() * columns_[0].size()));
+        return sizeof(double) *
+               (motion_.span() + factor_.capacity() + (columns_.empty() ? 0 : columns_.size() * columns_[0].size()));
     }
 
 private:

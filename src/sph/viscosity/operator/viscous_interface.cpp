@@ -15,12 +15,16 @@ constexpr double least_direction = 0.5, least_side = 0.2;
 // Numbers the particles with neighbours of another viscosity.
 int find_rows(const Pairs& pairs, const ViscousContrast& contrast, int n, const Array<int>& rows) {
     int count = 0;
-    Kokkos::parallel_scan("treacle::interface_rows", n, KOKKOS_LAMBDA(int i, int& sum, bool last) {
-        bool mixed = false;
-        for (std::int64_t k = pairs.offset(i); k < pairs.offset(i + 1) && !mixed; ++k) mixed = contrast(i, pairs.index(k)) != 0;
-        if (mixed && last) rows(sum) = i;
-        sum += mixed ? 1 : 0;
-    }, count);
+    Kokkos::parallel_scan(
+        "treacle::interface_rows", n,
+        KOKKOS_LAMBDA(int i, int& sum, bool last) {
+            bool mixed = false;
+            for (std::int64_t k = pairs.offset(i); k < pairs.offset(i + 1) && !mixed; ++k)
+                mixed = contrast(i, pairs.index(k)) != 0;
+            if (mixed && last) rows(sum) = i;
+            sum += mixed ? 1 : 0;
+        },
+        count);
     return count;
 }
 
@@ -55,7 +59,8 @@ private:
             out.spread.add_square(weight, dx, dy, dz);
             out.squares.add_square(weight * excess_square(h), dx, dy, dz);
         });
-        Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto&) { out.spread.add_square(w, dx, dy, dz); });
+        Base::each_wall(i,
+            [&](int, double w, double dx, double dy, double dz, const auto&) { out.spread.add_square(w, dx, dy, dz); });
     }
     KOKKOS_INLINE_FUNCTION void find_normal(int i, InterfaceShape& shape) const {
         double sum[3] = {0, 0, 0}, most = 0;
@@ -113,7 +118,8 @@ struct InterfaceBlockLoop : ViscousLoop<Kernel> {
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
         smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (c + sums.around / sums.weights));
-        inertia_and_wall_diagonal(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * c * sums.held);
+        inertia_and_wall_diagonal(i) =
+            static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * c * sums.held);
     }
 
 private:
@@ -242,8 +248,8 @@ struct InterfaceForceLoop : ViscousLoop<Kernel> {
 
 private:
     // A pair within one liquid.
-    KOKKOS_INLINE_FUNCTION void add_within(const InterfacePull& own, int j, double w, const double x[3], const double apart[3],
-                                           double f[3]) const {
+    KOKKOS_INLINE_FUNCTION void add_within(
+        const InterfacePull& own, int j, double w, const double x[3], const double apart[3], double f[3]) const {
         const double slide = own.damping + damping * contrast.share(j);
         for (int k = 0; k < 3; ++k) {
             double pull = slide * apart[k];
@@ -292,7 +298,8 @@ void ViscousOperator::prepare_interface(const ViscousContext& parts) {
     const int n = liquid.store.owned();
     interface_.contrast = {true, liquid.store.get<Array<double>>(share_), liquid.liquid()};
     reserve(interface_.rows, static_cast<std::size_t>(n));
-    interface_.count = find_rows(pairs(parts.neighbours.liquid, liquid.store, liquid.store), interface_.contrast, n, interface_.rows);
+    interface_.count =
+        find_rows(pairs(parts.neighbours.liquid, liquid.store, liquid.store), interface_.contrast, n, interface_.rows);
     interface_.any = parts.comm.sum(std::int64_t{interface_.count}) > 0;
     if (!interface_.any) return;
     declare_fields(liquid.store, interface_);
@@ -304,17 +311,20 @@ void ViscousOperator::prepare_interface(const ViscousContext& parts) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::interface_shapes", interface_.count,
-                             InterfaceShapeLoop<Kernel>{base, interface_.contrast, interface_.rows, interface_.shapes, normal, correction_});
+            InterfaceShapeLoop<Kernel>{
+                base, interface_.contrast, interface_.rows, interface_.shapes, normal, correction_});
         parts.halo.gather(liquid.store, {interface_.normal});
         Kokkos::parallel_for("treacle::interface_blocks", interface_.count,
-                             InterfaceBlockLoop<Kernel>{base, damping_, relative_density(constants, liquid), interface_.contrast, slip_.any(),
-                                                        slip_.drag(), liquid.has_inlets(), inlet, interface_.rows, normal, correction_,
-                                                        block_, inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
+            InterfaceBlockLoop<Kernel>{base, damping_, relative_density(constants, liquid), interface_.contrast,
+                slip_.any(), slip_.drag(), liquid.has_inlets(), inlet, interface_.rows, normal, correction_, block_,
+                inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
     });
     if (tension_ < 0) return;
     const auto rows = interface_.rows;
     const auto bulk = bulk_;
-    Kokkos::parallel_for("treacle::interface_bulk", interface_.count, KOKKOS_LAMBDA(int k) { bulk(rows(k)) = 0; }); // their stresses have no tension
+    Kokkos::parallel_for(
+        "treacle::interface_bulk", interface_.count,
+        KOKKOS_LAMBDA(int k) { bulk(rows(k)) = 0; }); // their stresses have no tension
 }
 
 // Both loops, in between the ghosts' fields are gathered.
@@ -328,15 +338,15 @@ void ViscousOperator::stress_interface(const ViscousContext& parts, Walls which,
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::interface_stress", interface_.count,
-                             InterfaceStressLoop<Kernel, Stress>{base, damping_, interface_.contrast, interface_.rows, interface_.shapes,
-                                                                 correction_, fields(store, interface_, u_field), stress,
-                                                                 !parts.forces.rheology.empty(), rate_});
+            InterfaceStressLoop<Kernel, Stress>{base, damping_, interface_.contrast, interface_.rows, interface_.shapes,
+                correction_, fields(store, interface_, u_field), stress, !parts.forces.rheology.empty(), rate_});
     });
     parts.halo.gather(store, {interface_.tilted, interface_.across[0], interface_.across[1], interface_.across[2]});
 }
 
 template <class Stress>
-void ViscousOperator::force_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product) {
+void ViscousOperator::force_interface(
+    const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product) {
     if (!interface_.any) return;
     const auto& constants = parts.constants;
     const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
@@ -344,9 +354,9 @@ void ViscousOperator::force_interface(const ViscousContext& parts, Walls which, 
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::interface_forces", interface_.count,
-                             InterfaceForceLoop<Kernel, Stress>{base, damping_, relative_density(constants, parts.liquid),
-                                                                interface_.contrast, interface_.rows,
-                                                                fields(parts.liquid.store, interface_, u_field), stress, product});
+            InterfaceForceLoop<Kernel, Stress>{base, damping_, relative_density(constants, parts.liquid),
+                interface_.contrast, interface_.rows, fields(parts.liquid.store, interface_, u_field), stress,
+                product});
     });
 }
 

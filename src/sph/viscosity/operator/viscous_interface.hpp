@@ -8,7 +8,7 @@ namespace treacle::sph {
 struct ViscousInterface {
     bool any = false; // on any rank
     int count = 0;
-    Array<int> rows{"treacle::interface_rows", 0};         // [count] owned particles
+    Array<int> rows{"treacle::interface_rows", 0};          // [count] owned particles
     InterfaceShapes shapes{"treacle::interface_shapes", 0}; // [count]
     int normal = -1, tilted = -1, across[3] = {-1, -1, -1};
     ViscousContrast contrast;

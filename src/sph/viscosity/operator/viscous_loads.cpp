@@ -59,13 +59,14 @@ BodyLoads ViscousOperator::loads(const ViscousContext& parts) const {
             using Grip = std::decay_t<decltype(grip)>;
             BodyLoads sums(out.size(), 0.0);
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                                    ViscousLoadLoop<Kernel, Grip>{base, {sums.size()}, grip, scale}, host_sums(sums));
+                ViscousLoadLoop<Kernel, Grip>{base, {sums.size()}, grip, scale}, host_sums(sums));
             for (std::size_t k = 0; k < out.size(); ++k) out[k] += sums[k];
         };
         if (by_gradients(parts.options.viscosity.form)) {
             const auto& store = parts.liquid.store;
-            sum(StressGrip<Stresses>{{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}},
-                                     store.get<Array<double>>(share_), damping_});
+            sum(StressGrip<Stresses>{
+                {{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}},
+                store.get<Array<double>>(share_), damping_});
         } else {
             sum(pair_grip(parts, parts.liquid.store.get<Array<double>>(share_)));
         }
@@ -83,7 +84,7 @@ std::vector<double> ViscousOperator::stiffness(const ViscousContext& parts) cons
             using Kernel = std::decay_t<decltype(kernel)>;
             const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
             Kokkos::parallel_reduce("treacle::viscous_stiffness", fluid.count,
-                                    StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
+                StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
         });
     }
     if (slip_.any()) slip_.add_stiffness(parts, out);

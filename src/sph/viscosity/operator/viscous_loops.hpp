@@ -109,8 +109,10 @@ struct ViscousLoop {
     template <class Grip>
     KOKKOS_INLINE_FUNCTION void add_wall_stresses(int i, const Grip& grip, const double u[3], double sum[3]) const {
         if (walls.pairs.count(i) == 0) return;
-        if (walls.resting) grip.add(i, wall_sums, u, sum);
-        else add_walls(i, grip, u, sum);
+        if (walls.resting)
+            grip.add(i, wall_sums, u, sum);
+        else
+            add_walls(i, grip, u, sum);
     }
     KOKKOS_INLINE_FUNCTION void read_velocity(int i, double u[3]) const {
         for (int k = 0; k < 3; ++k) u[k] = fluid.motion(i, k);
@@ -135,8 +137,8 @@ struct StressGrip {
     double damping;      // kappa [1]
 
     template <class Contact>
-    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
-                                           const Contact& contact, double out[3]) const {
+    KOKKOS_INLINE_FUNCTION void operator()(
+        int i, double w, const double x[3], const double u[3], const Contact& contact, double out[3]) const {
         for (int k = 0; k < 3; ++k) {
             const double pull = stress(i, k, 0) * x[0] + stress(i, k, 1) * x[1] + stress(i, k, 2) * x[2];
             const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
@@ -154,11 +156,11 @@ struct StressGrip {
 // Pull of one solid particle in the forms with forces along the pairs.
 struct PairGrip {
     Array<double> share; // [particles] dt/m V mu [m2]
-    double soft, line; // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
+    double soft, line;   // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
 
     template <class Contact>
-    KOKKOS_INLINE_FUNCTION void operator()(int i, double w, const double x[3], const double u[3],
-                                           const Contact& contact, double out[3]) const {
+    KOKKOS_INLINE_FUNCTION void operator()(
+        int i, double w, const double x[3], const double u[3], const Contact& contact, double out[3]) const {
         const double r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
         const double c = 2 * share(i) * w * contact.reach / (r2 + soft);
         double along = 0;

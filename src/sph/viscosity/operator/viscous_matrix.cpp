@@ -38,7 +38,7 @@ struct Neighbour {
 
 // The stress where only one neighbour's difference is u, or all are, those of the walls as well, if the particle itself moves.
 void answer(const InterfaceLaw& law, const std::vector<Neighbour>& around, const Vec3& walls_pull, std::size_t moved,
-            const double u[3], InterfaceStress& out) {
+    const double u[3], InterfaceStress& out) {
     InterfaceSums sums;
     const bool itself = moved == around.size();
     for (std::size_t k = 0; k < around.size(); ++k) {
@@ -100,7 +100,7 @@ struct ViscousMatrix::Assembly {
     Array6::HostMirror correction;
     Array<float>::HostMirror weights;
     Array<int>::HostMirror liquid_of;
-    bool several; // viscosities, where gradients are corrected
+    bool several;              // viscosities, where gradients are corrected
     Array3::HostMirror normal; // see ViscousInterface
     int owned, total;
     int first; // global number of this rank's first row
@@ -168,8 +168,8 @@ void ViscousMatrix::Assembly::find_members(const Kernel& kernel) {
         });
         walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             if (!walls.no_slip(s)) return;
-            const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2)) *
-                             walls.touch(s, dx, dy, dz).reach;
+            const double w =
+                -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2)) * walls.touch(s, dx, dy, dz).reach;
             const Vec3 x{dx, dy, dz};
             for (std::size_t k = 0; k < 3; ++k) {
                 force[k] += w * x[k];
@@ -264,8 +264,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
         const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
         const double reach = walls.touch(s, dx, dy, dz).reach;
         const bool squared = by_gradients(form);
-        add(pair((squared ? 1 : 2) * share(i), w * reach * (squared ? reach : 1), {dx, dy, dz}), 1,
-            storage.at(i));
+        add(pair((squared ? 1 : 2) * share(i), w * reach * (squared ? reach : 1), {dx, dy, dz}), 1, storage.at(i));
     });
 }
 
@@ -273,8 +272,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
 // B^+ e_i.
 void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
     for (const auto& [j, which] : seen_by[static_cast<std::size_t>(i)]) {
-        const auto begin = offsets[static_cast<std::size_t>(j)],
-                   end = offsets[static_cast<std::size_t>(j) + 1];
+        const auto begin = offsets[static_cast<std::size_t>(j)], end = offsets[static_cast<std::size_t>(j) + 1];
         if (const auto& blocks = beside[static_cast<std::size_t>(j)]; !blocks.empty()) {
             for (auto k = begin; k < end; ++k) {
                 Block& to = storage.at(members[k].particle);
@@ -296,8 +294,7 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
             }
             // Both ways, so that the entry across the diagonal is the same number.
             if (damping > 0)
-                add_identity(-damping * c * (inner(other.seen, at.force) + inner(at.pulled, other.force)),
-                             to);
+                add_identity(-damping * c * (inner(other.seen, at.force) + inner(at.pulled, other.force)), to);
         }
     }
 }
@@ -308,8 +305,7 @@ void ViscousMatrix::Assembly::send(const Comm& comm) {
     for (std::size_t rank = 0; rank < outgoing.size(); ++rank) outgoing[rank].rank = static_cast<int>(rank);
     std::vector<Contribution> kept;
     for (const auto& one : contributions) {
-        const auto owner =
-            std::upper_bound(firsts.begin(), firsts.end(), std::int64_t(one.row)) - firsts.begin() - 1;
+        const auto owner = std::upper_bound(firsts.begin(), firsts.end(), std::int64_t(one.row)) - firsts.begin() - 1;
         if (static_cast<int>(owner) == comm.rank()) { // of a periodic image
             kept.push_back(one);
             continue;
@@ -325,15 +321,15 @@ void ViscousMatrix::Assembly::send(const Comm& comm) {
         kept.resize(before + count);
         std::memcpy(static_cast<void*>(&kept[before]), message.bytes.data(), message.bytes.size());
     }
-    std::stable_sort(kept.begin(), kept.end(),
-                     [](const Contribution& a, const Contribution& b) { return a.row < b.row; });
+    std::stable_sort(
+        kept.begin(), kept.end(), [](const Contribution& a, const Contribution& b) { return a.row < b.row; });
     contributions = std::move(kept);
 }
 
 // A row by rising columns, those that were found several times summed.
 void ViscousMatrix::Assembly::append(std::vector<Contribution>& found, solve::BlockRows& out) const {
-    std::stable_sort(found.begin(), found.end(),
-                     [](const Contribution& a, const Contribution& b) { return a.column < b.column; });
+    std::stable_sort(
+        found.begin(), found.end(), [](const Contribution& a, const Contribution& b) { return a.column < b.column; });
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (k > 0 && found[k].column == found[k - 1].column) {
             for (std::size_t l = 0; l < 9; ++l) out.values[out.values.size() - 9 + l] += found[k].values[l];
@@ -370,9 +366,7 @@ solve::BlockRows ViscousMatrix::Assembly::rows(const Kernel& kernel) {
         add_pairs(kernel, i, storage);
         if (by_gradients(form)) add_stresses(i, storage);
         found.clear();
-        storage.take([&](int particle, const Block& values) {
-            found.push_back({row(i), row(particle), values});
-        });
+        storage.take([&](int particle, const Block& values) { found.push_back({row(i), row(particle), values}); });
         for (; next != contributions.end() && next->row == row(i); ++next) found.push_back(*next);
         append(found, out);
     }
@@ -384,8 +378,7 @@ solve::KrylovOptions krylov_options(const ViscosityOptions& options) {
     solve::KrylovOptions out;
     out.max_iterations = options.max_iterations;
     if (options.solver == ViscositySolver::bicgstab) out.method = solve::Method::bicgstab;
-    if (options.preconditioner == ViscosityPreconditioner::gamg)
-        out.preconditioner = solve::Preconditioner::gamg;
+    if (options.preconditioner == ViscosityPreconditioner::gamg) out.preconditioner = solve::Preconditioner::gamg;
     if (options.preconditioner == ViscosityPreconditioner::boomeramg)
         out.preconditioner = solve::Preconditioner::boomeramg;
     return out;
@@ -434,37 +427,21 @@ void ViscousMatrix::assemble(const ViscousContext& parts, const ViscousOperator&
     Kokkos::parallel_for(
         "treacle::viscous_rows", store.owned(), KOKKOS_LAMBDA(int i) { numbers(i) = first + i; });
     parts.halo.gather(store, {row_field_});
-    Assembly assembly{parts,
-                      of,
-                      parts.options.viscosity.form,
-                      pairs(parts.neighbours.liquid, store, store),
-                      of.walls(parts, ViscousOperator::Walls::resting),
-                      on_host(numbers),
-                      on_host(of.share(parts.liquid)),
-                      on_host(parts.liquid.volume()),
-                      on_host(of.correction()),
-                      on_host(of.weights()),
-                      on_host(parts.liquid.liquid()),
-                      of.interface().any,
-                      on_host(of.interface().any ? store.get<Array3>(of.interface().normal) : Array3()),
-                      store.owned(),
-                      store.total(),
-                      first,
-                      {},
-                      {},
-                      {},
-                      {},
-                      {}};
+    Assembly assembly{parts, of, parts.options.viscosity.form, pairs(parts.neighbours.liquid, store, store),
+        of.walls(parts, ViscousOperator::Walls::resting), on_host(numbers), on_host(of.share(parts.liquid)),
+        on_host(parts.liquid.volume()), on_host(of.correction()), on_host(of.weights()), on_host(parts.liquid.liquid()),
+        of.interface().any, on_host(of.interface().any ? store.get<Array3>(of.interface().normal) : Array3()),
+        store.owned(), store.total(), first, {}, {}, {}, {}, {}};
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support,
-                [&](const auto& kernel) { matrix_.build(comm_, assembly.rows(kernel)); });
+        [&](const auto& kernel) { matrix_.build(comm_, assembly.rows(kernel)); });
     auto& matrix = *matrix_.matrix();
     if (parts.options.viscosity.form == ViscosityForm::as_published) matrix.set_unsymmetric();
     if (takes_the_matrix(parts.options.viscosity))
         matrix.set_blocks(3, rigid_motions(store, parts.constants.dimensions));
 }
 
-solve::SolveReport ViscousMatrix::solve(const LiquidParticles& liquid, const Array3& r, double largest,
-                                        const Preconditioner& own, const Array3& change) {
+solve::SolveReport ViscousMatrix::solve(
+    const LiquidParticles& liquid, const Array3& r, double largest, const Preconditioner& own, const Array3& change) {
     const auto n = 3 * static_cast<std::size_t>(liquid.store.owned());
     right_hand_side_.resize(n);
     solution_.assign(n, 0.0);
@@ -477,8 +454,8 @@ solve::SolveReport ViscousMatrix::solve(const LiquidParticles& liquid, const Arr
         };
     }
     solve::KrylovSolver solver(comm_, "viscosity", options_);
-    auto report = solver.solve(*matrix_.matrix(), right_hand_side_, solution_,
-                               solve::ConvergenceTest::residual(0, largest));
+    auto report =
+        solver.solve(*matrix_.matrix(), right_hand_side_, solution_, solve::ConvergenceTest::residual(0, largest));
     to_array(solution_, change);
     options_.user = {};
     return report;

@@ -23,7 +23,7 @@ public:
     // Collective: change = C^-1 r on the owned particles, to a residual of `largest`; r and change are scratch of
     // `own`.
     solve::SolveReport solve(const LiquidParticles& liquid, const Array3& r, double largest, const Preconditioner& own,
-                             const Array3& change);
+        const Array3& change);
 
     const solve::Matrix* matrix() { return matrix_.matrix(); } // of the last assemble(); null before
     std::size_t bytes() const {                                // of this rank [bytes]

@@ -27,12 +27,13 @@ struct StressLoop : ViscousLoop<Kernel> {
     Array3 stress[3]; // columns
     bool rated;
     Array<double> rate;
-    Array<float> bulk; // zeta / mu of each particle, or empty
+    Array<float> bulk;                // zeta / mu of each particle, or empty
     Array<double> tension, expansion; // s / mu, or empty; tr D, with `bulk`
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Columns>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
-                          [&](int i, const Columns& pairs) { finish(i, pairs); });
+        each_row<Columns>(
+            block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
+            [&](int i, const Columns& pairs) { finish(i, pairs); });
     }
 
 private:
@@ -71,7 +72,8 @@ private:
         expansion(i) = trace;
         if (bulk(i) == 0) return;
         const double more = 0.5 * (static_cast<double>(bulk(i)) * trace + (tension.size() > 0 ? tension(i) : 0));
-        const double within[3][3] = {{span.xx, span.xy, span.xz}, {span.xy, span.yy, span.yz}, {span.xz, span.yz, span.zz}};
+        const double within[3][3] = {
+            {span.xx, span.xy, span.xz}, {span.xy, span.yy, span.yz}, {span.xz, span.yz, span.zz}};
         for (int k = 0; k < 3; ++k) {
             for (int l = 0; l < 3; ++l) s[k][l] += more * within[k][l];
         }
@@ -90,7 +92,8 @@ private:
         Base::each_entry(i, even, odd, [&](Double4 columns[3], std::int64_t k) {
             const double* other = motion + 4 * std::int64_t(Base::fluid.liquid.index(k));
             const double w = by_volumes ? Base::weights(k) * other[3] : Base::weights(k);
-            const Double4 along = Double4(w) * (x - Double4::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
+            const Double4 along =
+                Double4(w) * (x - Double4::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
             const Double4 apart = u - Double4::load(other);
             columns[0].add(along.all<0>(), apart);
             columns[1].add(along.all<1>(), apart);
@@ -111,7 +114,9 @@ struct StressForceLoop : ViscousLoop<Kernel> {
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Double4>(block, Base::fluid.count, [&](int i) { return sum_pairs(i); }, [&](int i, const Double4& pairs) { finish(i, pairs); });
+        each_row<Double4>(
+            block, Base::fluid.count, [&](int i) { return sum_pairs(i); },
+            [&](int i, const Double4& pairs) { finish(i, pairs); });
     }
 
 private:
@@ -194,37 +199,44 @@ struct PairForceLoop : ViscousLoop<Kernel> {
 
 double write_own_shares(const Array<double>& viscosity, double scale, int n, const Array<double>& share) {
     double most = 0;
-    Kokkos::parallel_reduce("treacle::own_viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
-        share(i) = scale * viscosity(i);
-        largest = math::max(largest, share(i));
-    }, Kokkos::Max<double>(most));
+    Kokkos::parallel_reduce(
+        "treacle::own_viscous_shares", n,
+        KOKKOS_LAMBDA(int i, double& largest) {
+            share(i) = scale * viscosity(i);
+            largest = math::max(largest, share(i));
+        },
+        Kokkos::Max<double>(most));
     return n > 0 ? most : 0;
 }
 
 template <class Liquids>
 double write_shares(const Liquids& liquids, double scale, int n, const Array<double>& share) {
     double most = 0;
-    Kokkos::parallel_reduce("treacle::viscous_shares", n, KOKKOS_LAMBDA(int i, double& largest) {
-        share(i) = scale * liquids.viscosity(i);
-        largest = math::max(largest, share(i));
-    }, Kokkos::Max<double>(most));
+    Kokkos::parallel_reduce(
+        "treacle::viscous_shares", n,
+        KOKKOS_LAMBDA(int i, double& largest) {
+            share(i) = scale * liquids.viscosity(i);
+            largest = math::max(largest, share(i));
+        },
+        Kokkos::Max<double>(most));
     return n > 0 ? most : 0;
 }
 
 // m/rho in place of the lattice's V on both sides (equations 4.5 and 4.6).
 void scale_by_volumes(const Array<double>& volume, double rest_volume, int n, const Array<double>& share) {
-    Kokkos::parallel_for("treacle::viscous_volumes", n, KOKKOS_LAMBDA(int i) {
-        const double ratio = volume(i) / rest_volume;
-        share(i) *= ratio * ratio;
-    });
+    Kokkos::parallel_for(
+        "treacle::viscous_volumes", n, KOKKOS_LAMBDA(int i) {
+            const double ratio = volume(i) / rest_volume;
+            share(i) *= ratio * ratio;
+        });
 }
 
 // Whether no solid moves at all.
 bool at_rest(const Array<double>& motion) {
     int moving = 0;
-    Kokkos::parallel_reduce("treacle::moving_solids", motion.extent(0), KOKKOS_LAMBDA(std::size_t k, int& count) {
-        count += motion(k) != 0 ? 1 : 0;
-    }, moving);
+    Kokkos::parallel_reduce(
+        "treacle::moving_solids", motion.extent(0),
+        KOKKOS_LAMBDA(std::size_t k, int& count) { count += motion(k) != 0 ? 1 : 0; }, moving);
     return moving == 0;
 }
 
@@ -237,13 +249,15 @@ void pack_velocity(LiquidParticles& liquid, int u_field, const Constants& consta
     const auto u = liquid.store.get<Array3>(u_field);
     const auto volume = liquid.volume();
     const double rest_volume = constants.rest_volume;
-    Kokkos::parallel_for("treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
-        to(i, 3) = volume(i) / rest_volume;
-    });
+    Kokkos::parallel_for(
+        "treacle::viscous_motion", n, KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) to(i, k) = u(i, k);
+            to(i, 3) = volume(i) / rest_volume;
+        });
 }
 
-ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths, double bulk) : slip_(slip_lengths) {
+ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<double>& slip_lengths, double bulk)
+    : slip_(slip_lengths) {
     const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
     for (int k = 0; k < 3; ++k) stress_[k] = liquid.store.add<Array3>(names[k], "m2/s", FieldRole::work);
     share_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
@@ -251,17 +265,10 @@ ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<doub
 }
 
 ViscousWalls ViscousOperator::walls(const ViscousContext& parts, Walls which) const {
-    return {pairs(parts.neighbours.solid, parts.liquid.store, parts.solid.store),
-            parts.solid.volume(),
-            parts.solid.body(),
-            parts.solid.normal(),
-            parts.friction,
-            parts.motion,
-            parts.points,
-            parts.constants.wall_viscous_factor,
-            parts.constants.wall_depth,
-            least_height * parts.constants.spacing,
-            which == Walls::resting || at_rest(parts.motion)};
+    return {pairs(parts.neighbours.solid, parts.liquid.store, parts.solid.store), parts.solid.volume(),
+        parts.solid.body(), parts.solid.normal(), parts.friction, parts.motion, parts.points,
+        parts.constants.wall_viscous_factor, parts.constants.wall_depth, least_height * parts.constants.spacing,
+        which == Walls::resting || at_rest(parts.motion)};
 }
 
 double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
@@ -278,19 +285,21 @@ double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
         most = write_own_shares(liquid.viscosity(), scale, n, share);
     } else {
         with_liquids(constants.immiscible, liquid.liquid(), parts.forces.viscosity,
-                     [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+            [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
     }
     most = parts.comm.max(most);
     largest_share_ = most;
     if (most == 0) return 0;
     tiles_are_placed_ = false;
-    if (viscosity.form == ViscosityForm::as_published) scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
+    if (viscosity.form == ViscosityForm::as_published)
+        scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
     if (slip_.any()) slip_.prepare(parts, parts.points, share);
     parts.halo.gather(liquid.store, {share_});
     if (!parts.forces.rheology.empty() || tension_ >= 0) reserve(rate_, static_cast<std::size_t>(n));
     reserve(correction_, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
-    for (auto* array : {&inertia_and_wall_diagonal_, &smoothed_viscous_coefficient_}) reserve(*array, static_cast<std::size_t>(n));
+    for (auto* array : {&inertia_and_wall_diagonal_, &smoothed_viscous_coefficient_})
+        reserve(*array, static_cast<std::size_t>(n));
     if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     if (tension_ >= 0) find_stretched(liquid, viscosity.bulk);
@@ -302,9 +311,9 @@ double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::viscous_prepare", n,
-                             PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
-                                                 relative_density(constants, liquid), share, slip_.any(), slip_.drag(),
-                                                 liquid.has_inlets(), inlet, bulk_, correction_, block_, inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
+            PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
+                relative_density(constants, liquid), share, slip_.any(), slip_.drag(), liquid.has_inlets(), inlet,
+                bulk_, correction_, block_, inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
     });
     prepare_interface(parts);
     return most;
@@ -318,18 +327,20 @@ void ViscousOperator::find_stretched(const LiquidParticles& liquid, double bulk)
     const auto tension = liquid.store.get<Array<double>>(tension_);
     const auto to = bulk_;
     const float factor = static_cast<float>(bulk);
-    Kokkos::parallel_for("treacle::stretched", n, KOKKOS_LAMBDA(int i) { to(i) = tension(i) > 0 ? factor : 0; });
+    Kokkos::parallel_for(
+        "treacle::stretched", n, KOKKOS_LAMBDA(int i) { to(i) = tension(i) > 0 ? factor : 0; });
 }
 
 void ViscousOperator::keep_tension(const LiquidParticles& liquid) const {
     if (tension_ < 0) return;
     const auto trace = trace_, rate = rate_, tension = liquid.store.get<Array<double>>(tension_);
     const auto bulk = bulk_;
-    Kokkos::parallel_for("treacle::keep_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double held = kept_tension * (tension(i) + static_cast<double>(bulk(i)) * trace(i));
-        const bool stays = bulk(i) > 0 && held > stretched_until * rate(i);
-        tension(i) = stays ? held : trace(i) > stretched_from * rate(i) ? first_tension : 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::keep_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            const double held = kept_tension * (tension(i) + static_cast<double>(bulk(i)) * trace(i));
+            const bool stays = bulk(i) > 0 && held > stretched_until * rate(i);
+            tension(i) = stays ? held : trace(i) > stretched_from * rate(i) ? first_tension : 0;
+        });
 }
 
 void ViscousOperator::clear_tension(const LiquidParticles& liquid) const {
@@ -354,19 +365,20 @@ void ViscousOperator::multiply(const ViscousContext& parts, int u_field, Walls w
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         if (!by_gradients(form)) {
             Kokkos::parallel_for("treacle::viscous_pairs", fluid.count,
-                                 PairForceLoop<Kernel>{base, relative, pair_grip(parts, share), product});
+                PairForceLoop<Kernel>{base, relative, pair_grip(parts, share), product});
             return;
         }
         const auto& store = liquid.store;
-        const Array3 rows[3] = {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
+        const Array3 rows[3] = {
+            store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
-                             StressLoop<Kernel>{base, damping_, form == ViscosityForm::as_published, share, correction_,
-                                                {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_, bulk_, tension(liquid), trace_});
+            StressLoop<Kernel>{base, damping_, form == ViscosityForm::as_published, share, correction_,
+                {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_, bulk_, tension(liquid), trace_});
         const Stresses stress{{rows[0], rows[1], rows[2]}};
         stress_interface(parts, which, u_field, stress);
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
-                             StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
+            StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
         force_interface(parts, which, u_field, stress, product);
     });
     add_slip(parts, which, product);
@@ -374,33 +386,37 @@ void ViscousOperator::multiply(const ViscousContext& parts, int u_field, Walls w
 
 void ViscousOperator::add_slip(const ViscousContext& parts, Walls which, const Array3& product) const {
     if (!slip_.any()) return;
-    if (which == Walls::resting) slip_.add(parts, product);
-    else slip_.add(parts, parts.motion, product);
+    if (which == Walls::resting)
+        slip_.add(parts, product);
+    else
+        slip_.add(parts, parts.motion, product);
 }
 
 void ViscousOperator::precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const {
     const auto block = block_;
-    Kokkos::parallel_for("treacle::viscous_precondition", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
-        double to[3];
-        read_symmetric(block, i).times(from, to);
-        for (int k = 0; k < 3; ++k) z(i, k) = to[k];
-    });
+    Kokkos::parallel_for(
+        "treacle::viscous_precondition", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
+            double to[3];
+            read_symmetric(block, i).times(from, to);
+            for (int k = 0; k < 3; ++k) z(i, k) = to[k];
+        });
 }
 
 void ViscousOperator::thin(const ViscousContext& parts, const Array<flow::ViscosityModel>& curves) const {
     const auto rate = rate_, viscosity = parts.liquid.viscosity();
     const auto liquid = parts.liquid.liquid();
-    Kokkos::parallel_for("treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-        const flow::ViscosityModel& curve = curves(liquid(i));
-        if (curve.law != scene::ViscosityModelKind::newtonian) viscosity(i) = curve(rate(i));
-    });
+    Kokkos::parallel_for(
+        "treacle::thin_by_shear", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+            const flow::ViscosityModel& curve = curves(liquid(i));
+            if (curve.law != scene::ViscosityModelKind::newtonian) viscosity(i) = curve(rate(i));
+        });
 }
 
 std::size_t ViscousOperator::bytes() const {
     const std::size_t doubles = correction_.span() + rate_.span() + wall_sums_.span();
-    const std::size_t floats = weights_.span() + block_.span() + inertia_and_wall_diagonal_.span() + smoothed_viscous_coefficient_.span() + tiles_.span() +
-                               rows_.span() + fits_.span();
+    const std::size_t floats = weights_.span() + block_.span() + inertia_and_wall_diagonal_.span() +
+                               smoothed_viscous_coefficient_.span() + tiles_.span() + rows_.span() + fits_.span();
     return sizeof(double) * doubles + sizeof(float) * floats + slip_.bytes() + interface_.bytes();
 }
 

@@ -28,7 +28,9 @@ public:
     // The same in single precision but for u itself: C u + O(1e-6) C u, in a third of the time. Of the symmetric
     // forms with gradients (`has_tiles`).
     void multiply_single_precision(const ViscousContext& parts, int u_field, Walls walls, const Array3& product);
-    static bool has_tiles(ViscosityForm form) { return form == ViscosityForm::corrected || form == ViscosityForm::adjoint; }
+    static bool has_tiles(ViscosityForm form) {
+        return form == ViscosityForm::corrected || form == ViscosityForm::adjoint;
+    }
 
     // z = D^-1 r with the diagonal blocks, nearly.
     void precondition(const LiquidParticles& liquid, const Array3& r, const Array3& z) const;
@@ -81,26 +83,28 @@ private:
     template <class Stress>
     void stress_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress);
     template <class Stress>
-    void force_interface(const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product);
+    void force_interface(
+        const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product);
     void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
     void exchange_tiles(const ViscousContext& parts, Walls which);
     void add_slip(const ViscousContext& parts, Walls which, const Array3& product) const;
 
     double dt_ = 0;
     double largest_share_ = 0;
-    double damping_ = 0;             // of checkerboards, 0 for forms without gradients
-    int stress_[3] = {-1, -1, -1};   // fields: columns of Q_i [m2/s]
+    double damping_ = 0;           // of checkerboards, 0 for forms without gradients
+    int stress_[3] = {-1, -1, -1}; // fields: columns of Q_i [m2/s]
     WallSlip slip_;
     Array<double> rate_{"treacle::shear_rate", 0}; // of owned particles [1/s], where a viscosity depends on it
-    int tension_ = -1;               // field, with `viscosity.bulk`: s / mu [1/s]
+    int tension_ = -1;                             // field, with `viscosity.bulk`: s / mu [1/s]
     bool tension_acts_ = false;
     Array<float> bulk_{"treacle::bulk_viscosity", 0}; // over the viscosity, of owned particles
-    Array<double> trace_{"treacle::expansion", 0};     // tr D of the last multiply, of owned particles [1/s]
-    int share_ = -1;                 // field: dt/m V mu [m2]
+    Array<double> trace_{"treacle::expansion", 0};    // tr D of the last multiply, of owned particles [1/s]
+    int share_ = -1;                                  // field: dt/m V mu [m2]
     Array<float> weights_{"treacle::viscous_weights", 0};
-    Array4 wall_sums_{"treacle::viscous_wall_sums", 0}; // see ViscousLoop
+    Array4 wall_sums_{"treacle::viscous_wall_sums", 0};    // see ViscousLoop
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
-    Array<float> inertia_and_wall_diagonal_{"treacle::viscous_ground", 0}, smoothed_viscous_coefficient_{"treacle::smeared_viscous_share", 0};
+    Array<float> inertia_and_wall_diagonal_{"treacle::viscous_ground", 0},
+        smoothed_viscous_coefficient_{"treacle::smeared_viscous_share", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};

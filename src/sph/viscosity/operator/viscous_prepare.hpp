@@ -12,7 +12,7 @@ template <class Kernel>
 struct PrepareLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     ViscosityForm form;
-    double volume; // V0 [m^D]
+    double volume;  // V0 [m^D]
     double damping; // kappa [1]
     RelativeDensity relative;
     Array<double> share; // [particles] dt/m V mu [m2]
@@ -27,7 +27,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         Symmetric fit{1, 1, 1, 0, 0, 0};
-        double held = 0; // by the solids
+        double held = 0;          // by the solids
         double around = share(i); // mean share of the neighbours, weighted by w r^2
         Symmetric d = by_gradients(form) ? stress_block(i, fit, held, around) : pair_block(i, held, around);
         write_symmetric(fit, correction, i);
@@ -36,7 +36,8 @@ struct PrepareLoop : ViscousLoop<Kernel> {
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
         smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (share(i) + around));
-        inertia_and_wall_diagonal(i) = static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
+        inertia_and_wall_diagonal(i) =
+            static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
     }
 
 private:
@@ -56,9 +57,9 @@ private:
     }
     // Over the neighbours of a particle.
     struct Sums {
-        Symmetric spread, strained; // w x x^T; s_j w^2 x x^T
+        Symmetric spread, strained;             // w x x^T; s_j w^2 x x^T
         double damped = 0, pull[3] = {0, 0, 0}; // w (s_i + s_j); w x
-        double shares = 0; // s_j w r^2
+        double shares = 0;                      // s_j w r^2
     };
     KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
         const double own = share(i);
@@ -78,9 +79,11 @@ private:
             z = z + f * d.z;
         });
         const auto symmetric = [](const SimdDouble e[6]) {
-            return Symmetric{sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
+            return Symmetric{
+                sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
         };
-        return {symmetric(n), symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)}, sum_lanes(shares)};
+        return {symmetric(n), symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)},
+            sum_lanes(shares)};
     }
     // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
     // be like its own, which this finds.

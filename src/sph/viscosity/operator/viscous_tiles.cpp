@@ -8,29 +8,32 @@ namespace treacle::sph {
 
 namespace {
 void pack_positions(const Array3& x, const Array<double>& share, int n, const Array8& rows, const Array16& tiles) {
-    Kokkos::parallel_for("treacle::place_tiles", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 16; ++k) tiles(i, k) = 0;
-        for (int l = 0; l < 3; ++l) rows(i, l) = tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
-        rows(i, 3) = static_cast<float>(share(i));
-        rows(i, 7) = 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::place_tiles", n, KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 16; ++k) tiles(i, k) = 0;
+            for (int l = 0; l < 3; ++l) rows(i, l) = tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
+            rows(i, 3) = static_cast<float>(share(i));
+            rows(i, 7) = 0;
+        });
 }
 
 // B_i^+, the bulk viscosity over the viscosity, and whether the neighbours spread in all directions: 1, or 0 where the
 // span is to be tested.
 void write_fits(const Array6& correction, const Array<float>& bulk, int dimensions, int n, const Array8& fits) {
-    Kokkos::parallel_for("treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
-        const Symmetric span = range_projector(read_symmetric(correction, i));
-        fits(i, 7) = bulk.size() > 0 ? bulk(i) : 0;
-        fits(i, 6) = span.xx + span.yy + span.zz > dimensions - 0.5 ? 1 : 0;
-    });
+    Kokkos::parallel_for(
+        "treacle::float_fits", n, KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 6; ++k) fits(i, k) = static_cast<float>(correction(i, k));
+            const Symmetric span = range_projector(read_symmetric(correction, i));
+            fits(i, 7) = bulk.size() > 0 ? bulk(i) : 0;
+            fits(i, 6) = span.xx + span.yy + span.zz > dimensions - 0.5 ? 1 : 0;
+        });
 }
 
 void write_velocities(const Array3& u, int n, const Array8& rows) {
-    Kokkos::parallel_for("treacle::velocity_rows", n, KOKKOS_LAMBDA(int i) {
-        for (int k = 0; k < 3; ++k) rows(i, 4 + k) = static_cast<float>(u(i, k));
-    });
+    Kokkos::parallel_for(
+        "treacle::velocity_rows", n, KOKKOS_LAMBDA(int i) {
+            for (int k = 0; k < 3; ++k) rows(i, 4 + k) = static_cast<float>(u(i, k));
+        });
 }
 
 KOKKOS_INLINE_FUNCTION void read_stress(const Array16& tiles, int i, const Stresses& to) {
@@ -40,25 +43,29 @@ KOKKOS_INLINE_FUNCTION void read_stress(const Array16& tiles, int i, const Stres
 }
 
 void read_stresses(const Array16& tiles, int n, const Stresses& to) {
-    Kokkos::parallel_for("treacle::stresses_of_tiles", n, KOKKOS_LAMBDA(int i) { read_stress(tiles, i, to); });
+    Kokkos::parallel_for(
+        "treacle::stresses_of_tiles", n, KOKKOS_LAMBDA(int i) { read_stress(tiles, i, to); });
 }
 
 void read_sent_stresses(const Array16& tiles, const Array<int>& rows, int n, const Stresses& to) {
-    Kokkos::parallel_for("treacle::sent_stresses", n, KOKKOS_LAMBDA(int k) { read_stress(tiles, rows(k), to); });
+    Kokkos::parallel_for(
+        "treacle::sent_stresses", n, KOKKOS_LAMBDA(int k) { read_stress(tiles, rows(k), to); });
 }
 
 void write_stresses(const Stresses& from, int first, int last, const Array16& tiles) {
-    Kokkos::parallel_for("treacle::tiles_of_ghosts", last - first, KOKKOS_LAMBDA(int k) {
-        const int i = first + k;
-        for (int l = 0; l < 3; ++l) {
-            for (int row = 0; row < 3; ++row) tiles(i, 4 * l + row) = static_cast<float>(from.column[l](i, row));
-        }
-    });
+    Kokkos::parallel_for(
+        "treacle::tiles_of_ghosts", last - first, KOKKOS_LAMBDA(int k) {
+            const int i = first + k;
+            for (int l = 0; l < 3; ++l) {
+                for (int row = 0; row < 3; ++row) tiles(i, 4 * l + row) = static_cast<float>(from.column[l](i, row));
+            }
+        });
 }
 
 // The sum of what visit adds for each liquid particle around i, of its tile and of V0 |W'|/r.
 template <class Kernel, class Visit>
-KOKKOS_INLINE_FUNCTION Float4x4 sum_tiles(const ViscousLoop<Kernel>& loop, const Array16& tiles, int i, const Visit& visit) {
+KOKKOS_INLINE_FUNCTION Float4x4 sum_tiles(
+    const ViscousLoop<Kernel>& loop, const Array16& tiles, int i, const Visit& visit) {
     const float *rows = tiles.data(), *weights = loop.weights.data();
     const int* index = loop.fluid.liquid.index.data();
     Float4x4 even = 0.0f, odd = 0.0f;
@@ -80,7 +87,8 @@ struct TileStressLoop : ViscousLoop<Kernel> {
     Array<double> tension; // s / mu, or empty
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Float4x4>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Float4x4& n) { finish(i, n); });
+        each_row<Float4x4>(
+            block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Float4x4& n) { finish(i, n); });
     }
 
 private:
@@ -88,8 +96,8 @@ private:
     KOKKOS_INLINE_FUNCTION Float4x4 sum(int i) const {
         const std::int64_t first = Base::fluid.liquid.offset(i);
         Base::read_ahead(i);
-        const Float4x4 liquid = sum_pair_products(rows.data(), i, Base::fluid.liquid.index.data() + first, Base::weights.data() + first,
-                                              Base::fluid.liquid.count(i));
+        const Float4x4 liquid = sum_pair_products(rows.data(), i, Base::fluid.liquid.index.data() + first,
+            Base::weights.data() + first, Base::fluid.liquid.count(i));
         return Base::walls.pairs.count(i) > 0 ? liquid + walls(i) : liquid;
     }
     KOKKOS_INLINE_FUNCTION void finish(int i, const Float4x4& n) const {
@@ -101,7 +109,8 @@ private:
     }
     KOKKOS_INLINE_FUNCTION Float4x4 stress(int i, const Float4x4& n) const {
         const float* fit = fits.data() + 8 * std::int64_t(i);
-        const Float4x4 inverse[3] = {Float4x4::broadcast_elements<0>(fit), Float4x4::broadcast_elements<1>(fit), Float4x4::broadcast_elements<2>(fit)};
+        const Float4x4 inverse[3] = {Float4x4::broadcast_elements<0>(fit), Float4x4::broadcast_elements<1>(fit),
+            Float4x4::broadcast_elements<2>(fit)};
         const Float4x4 g = times(n, inverse);
         Float4x4 half = g; // see StressLoop::strain
         if (fit[6] == 0) {
@@ -158,16 +167,17 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     Array3 product;
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
-        each_row<Float4x4>(block, Base::fluid.count, [&](int i) { return sum(i); }, [&](int i, const Float4x4& pairs) { finish(i, pairs); });
+        each_row<Float4x4>(
+            block, Base::fluid.count, [&](int i) { return sum(i); },
+            [&](int i, const Float4x4& pairs) { finish(i, pairs); });
     }
 
 private:
     // Over j: w Q_j x.
     KOKKOS_INLINE_FUNCTION Float4x4 sum(int i) const {
         const Float4x4 own = Float4x4::load(tiles.data() + 16 * std::int64_t(i));
-        return sum_tiles(*this, tiles, i, [&](Float4x4& to, const Float4x4& w, const Float4x4& other) {
-            to.add(w * (own - other).all<3>(), other);
-        });
+        return sum_tiles(*this, tiles, i,
+            [&](Float4x4& to, const Float4x4& w, const Float4x4& other) { to.add(w * (own - other).all<3>(), other); });
     }
     KOKKOS_INLINE_FUNCTION void finish(int i, const Float4x4& sum) const {
         float s[16];
@@ -195,14 +205,18 @@ void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& 
 // The ghosts' columns of Q go through the fields of the double products; beside moving walls loads() takes all from there.
 void ViscousOperator::exchange_tiles(const ViscousContext& parts, Walls which) {
     const auto& store = parts.liquid.store;
-    const Stresses stresses{{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}};
-    if (which == Walls::moving) read_stresses(tiles_, store.owned(), stresses);
-    else read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), stresses);
+    const Stresses stresses{
+        {store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}};
+    if (which == Walls::moving)
+        read_stresses(tiles_, store.owned(), stresses);
+    else
+        read_sent_stresses(tiles_, parts.halo.rows(), static_cast<int>(parts.halo.sent_rows()), stresses);
     parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
     write_stresses(stresses, store.owned(), store.total(), tiles_);
 }
 
-void ViscousOperator::multiply_single_precision(const ViscousContext& parts, int u_field, Walls which, const Array3& product) {
+void ViscousOperator::multiply_single_precision(
+    const ViscousContext& parts, int u_field, Walls which, const Array3& product) {
     auto& liquid = parts.liquid;
     const auto& store = liquid.store;
     const auto& constants = parts.constants;
@@ -210,7 +224,8 @@ void ViscousOperator::multiply_single_precision(const ViscousContext& parts, int
     if (!tiles_are_placed_) write_tiles(liquid, share, constants.dimensions);
     parts.halo.gather(store, {u_field});
     const auto velocity = store.get<Array3>(u_field);
-    if (slip_.any() || which == Walls::moving) pack_velocity(liquid, u_field, constants); // slip and loads() read it there
+    if (slip_.any() || which == Walls::moving)
+        pack_velocity(liquid, u_field, constants); // slip and loads() read it there
     write_velocities(velocity, store.total(), rows_);
     const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     const auto relative = relative_density(constants, liquid);
@@ -219,11 +234,12 @@ void ViscousOperator::multiply_single_precision(const ViscousContext& parts, int
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         const int blocks = row_blocks(fluid.count);
         Kokkos::parallel_for("treacle::viscous_tile_stress", blocks,
-                             TileStressLoop<Kernel>{base, static_cast<float>(damping_), rows_, fits_, correction_, velocity, tiles_, tension(liquid)});
+            TileStressLoop<Kernel>{
+                base, static_cast<float>(damping_), rows_, fits_, correction_, velocity, tiles_, tension(liquid)});
         stress_interface(parts, which, u_field, TileStresses{tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
-                             TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
+            TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
         force_interface(parts, which, u_field, TileStresses{tiles_}, product);
     });
     add_slip(parts, which, product);

@@ -9,16 +9,16 @@ namespace treacle::sph {
 // rate to the layer (Morris et al. 1997).
 struct ViscousWalls {
     Pairs pairs;
-    Array<double> volume; // V_s
-    Array<int> body;      // [solids] number of the body
-    Array3 normal;        // unit, out of the solid
+    Array<double> volume;   // V_s
+    Array<int> body;        // [solids] number of the body
+    Array3 normal;          // unit, out of the solid
     Array<double> friction; // [body] 0: free slip, nothing of it counts; 1: no slip
-    Array<double> motion; // [body][6] velocity [m/s] and spin [rad/s]
+    Array<double> motion;   // [body][6] velocity [m/s] and spin [rad/s]
     MomentReferencePoints points;
-    double grip;          // factor on V_s, Constants::wall_viscous_factor
-    double depth;         // of the layer below the surface [m]
-    double least;         // distance from the surface below which particles are not taken to be [m]
-    bool resting;         // as if no solid moved
+    double grip;  // factor on V_s, Constants::wall_viscous_factor
+    double depth; // of the layer below the surface [m]
+    double least; // distance from the surface below which particles are not taken to be [m]
+    bool resting; // as if no solid moved
 
     // One liquid particle and one solid particle.
     struct Contact {

@@ -24,9 +24,7 @@ struct SlipLoop {
     Array3 normal;
     double rest_volume, area, packing, depth, least, lowest;
 
-    KOKKOS_INLINE_FUNCTION double weight(double r2) const {
-        return -rest_volume * kernel.gradient(math::sqrt(r2));
-    }
+    KOKKOS_INLINE_FUNCTION double weight(double r2) const { return -rest_volume * kernel.gradient(math::sqrt(r2)); }
     // visit(s, area, height) with the part of the solid particle's area that particle i has.
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each_area(int i, const Visit& visit) const {
@@ -41,8 +39,7 @@ struct SlipLoop {
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each(int i, const Visit& visit) const {
         const double c = share(i) / rest_volume;
-        each_area(i,
-                  [&](int s, double part, double height) { visit(s, c * part / (slip(body(s)) + height)); });
+        each_area(i, [&](int s, double part, double height) { visit(s, c * part / (slip(body(s)) + height)); });
     }
 };
 
@@ -120,16 +117,15 @@ struct SlipStiffnessLoop : SlipLoop<Kernel>, LoadReduction {
 // Calls work(loop) with the common part of the loops.
 template <class Work>
 void with_slip(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& slip,
-               const Array<double>& share, const Work& work) {
+    const Array<double>& share, const Work& work) {
     const auto& c = scene.constants;
     const auto& solid = scene.solid;
     const double area = std::pow(c.spacing, c.dimensions - 1) / c.wall_volume;
     with_kernel(scene.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        work(SlipLoop<Kernel>{kernel, pairs(scene.neighbours.solid, scene.liquid.store, solid.store), points,
-                              slip, share, solid.volume(), solid.wetting(), solid.body(), solid.normal(),
-                              c.rest_volume, area, c.wall_packing, c.wall_depth, least_wetting * c.wall_kernel_sum,
-                              least_height * c.spacing});
+        work(SlipLoop<Kernel>{kernel, pairs(scene.neighbours.solid, scene.liquid.store, solid.store), points, slip,
+            share, solid.volume(), solid.wetting(), solid.body(), solid.normal(), c.rest_volume, area, c.wall_packing,
+            c.wall_depth, least_wetting * c.wall_kernel_sum, least_height * c.spacing});
     });
 }
 } // namespace
@@ -174,18 +170,16 @@ void WallSlip::add(const ViscousScene& scene, const Array<double>& motion, const
     with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_for("treacle::moving_wall_slip", scene.liquid.store.owned(),
-                             SlipForceLoop<Kernel>{loop, scene.liquid.motion, motion, product});
+            SlipForceLoop<Kernel>{loop, scene.liquid.motion, motion, product});
     });
 }
 
-void WallSlip::add_loads(const ViscousScene& scene, const Array<double>& motion, double scale,
-                         BodyLoads& loads) const {
+void WallSlip::add_loads(const ViscousScene& scene, const Array<double>& motion, double scale, BodyLoads& loads) const {
     BodyLoads own(loads.size(), 0.0);
     with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_reduce("treacle::wall_slip_loads", scene.liquid.store.owned(),
-                                SlipLoadLoop<Kernel>{loop, {own.size()}, scene.liquid.motion, motion, scale},
-                                host_sums(own));
+            SlipLoadLoop<Kernel>{loop, {own.size()}, scene.liquid.motion, motion, scale}, host_sums(own));
     });
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += own[k];
 }
@@ -195,7 +189,7 @@ void WallSlip::add_stiffness(const ViscousScene& scene, std::vector<double>& hel
     with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_reduce("treacle::wall_slip_stiffness", scene.liquid.store.owned(),
-                                SlipStiffnessLoop<Kernel>{loop, {own.size()}}, host_sums(own));
+            SlipStiffnessLoop<Kernel>{loop, {own.size()}}, host_sums(own));
     });
     for (std::size_t k = 0; k < held.size(); ++k) held[k] += own[k];
 }

@@ -29,8 +29,7 @@ public:
     void add(const ViscousScene& scene, const Array3& product) const;
     void add(const ViscousScene& scene, const Array<double>& motion, const Array3& product) const;
     // Adds this rank's share of the pull on the solids, times `scale`.
-    void add_loads(const ViscousScene& scene, const Array<double>& motion, double scale,
-                   BodyLoads& loads) const;
+    void add_loads(const ViscousScene& scene, const Array<double>& motion, double scale, BodyLoads& loads) const;
     // Adds the 6 x 6 derivative of the above by the motion of each solid, with the other sign, for scale 1.
     void add_stiffness(const ViscousScene& scene, std::vector<double>& held) const;
 
