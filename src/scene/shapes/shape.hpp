@@ -24,8 +24,8 @@ struct Shape {
     double scale = 1;          // mesh: applied first
     double size = 0;           // mesh: when > 0, scaled so that its bounding box has this longest edge
     Vec3 translation{0, 0, 0}; // applied last; mesh: also when size > 0, after centring at the origin
-    Vec3 rotation_axis{
-        0, 0, 1}; // about `centre` (box, mesh: the middle of its bounding box; of parts: the origin unless given)
+    // About `centre` (box, mesh: the middle of its bounding box; of parts: the origin unless given), of any length.
+    Vec3 rotation_axis{0, 0, 1};
     double rotation_angle = 0;   // [rad] about rotation_axis
     bool inverted = false;       // the outside of the shape
     std::vector<Shape> parts;    // unite, intersect; subtract: the first one without the others
