@@ -205,7 +205,7 @@ void Level::sweep_backward(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     if (blocks_.taken()) return blocks_.up(inverse_, less_others(r_, around), z_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
-        // Rows fall while each row's entries rise, which hardware does not foresee.
+        // Rows fall while the entries of each rise: no order that hardware fetches ahead.
         if (is_fixed(i)) continue;
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
         z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
