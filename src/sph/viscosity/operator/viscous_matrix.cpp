@@ -3,24 +3,21 @@
 #include "sph/model/rigid_motion.hpp"
 #include "sph/model/symmetric.hpp"
 #include "sph/viscosity/operator/viscous_loops.hpp"
+#include "sph/viscosity/operator/viscous_rows.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 
 namespace treacle::sph {
 
 namespace {
-using Block = std::array<double, 9>;
-
 double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec3 apply(const Symmetric& a, const Vec3& x) {
     Vec3 out;
     a.times(x.data(), out.data());
     return out;
 }
-void add_identity(double c, Block& to) {
+void add_identity(double c, RowBlock& to) {
     for (std::size_t k = 0; k < 3; ++k) to[4 * k] += c;
 }
 
@@ -50,42 +47,6 @@ void answer(const InterfaceLaw& law, const std::vector<Neighbour>& around, const
     double strained[3][3];
     law(sums, strained, out);
 }
-
-// What a row takes from one rank.
-struct Contribution {
-    int row, column; // global numbers
-    Block values;
-};
-
-// The blocks of one row as they are found (Algorithm 8's storage of particle i).
-class RowStorage {
-public:
-    explicit RowStorage(int particles) : slot_(static_cast<std::size_t>(particles), -1) {}
-
-    Block& at(int particle) {
-        int& slot = slot_[static_cast<std::size_t>(particle)];
-        if (slot < 0) {
-            slot = static_cast<int>(particles_.size());
-            particles_.push_back(particle);
-            values_.push_back({});
-        }
-        return values_[static_cast<std::size_t>(slot)];
-    }
-    // Returns the (particle, block) pairs and clears them.
-    template <class Visit>
-    void take(const Visit& visit) {
-        for (std::size_t k = 0; k < particles_.size(); ++k) {
-            visit(particles_[k], values_[k]);
-            slot_[static_cast<std::size_t>(particles_[k])] = -1;
-        }
-        particles_.clear();
-        values_.clear();
-    }
-
-private:
-    std::vector<int> slot_, particles_;
-    std::vector<Block> values_;
-};
 } // namespace
 
 // On the host.
@@ -109,8 +70,8 @@ struct ViscousMatrix::Assembly {
     std::vector<std::vector<std::pair<int, int>>> seen_by; // (whose stress, which member) of each particle
     // Derivatives, for the owned particles beside another viscosity, of the force on each member by the velocity of each, but for what
     // add_pairs() has of the pairs within their liquid; of all others none.
-    std::vector<std::vector<Block>> beside;
-    std::vector<Contribution> contributions; // to rows from elsewhere
+    std::vector<std::vector<RowBlock>> beside;
+    std::vector<RowContribution> contributions; // to rows from elsewhere
 
     double contrast(int i, int j) const {
         return several && liquid_of(i) != liquid_of(j) ? viscous_contrast(share(i), share(j)) : 0;
@@ -130,14 +91,12 @@ struct ViscousMatrix::Assembly {
     template <class Kernel>
     void find_members(const Kernel& kernel);
     void find_beside();
-    std::vector<Block> blocks_beside(int i, const InterfaceLaw& law) const;
+    std::vector<RowBlock> blocks_beside(int i, const InterfaceLaw& law) const;
     template <class Kernel>
     void add_pairs(const Kernel& kernel, int i, RowStorage& storage) const;
     void add_stresses(int i, RowStorage& storage) const;
     template <class Kernel>
     solve::BlockRows rows(const Kernel& kernel);
-    void send(const Comm& comm);
-    void append(std::vector<Contribution>& found, solve::BlockRows& out) const;
 };
 
 template <class Kernel>
@@ -197,7 +156,7 @@ void ViscousMatrix::Assembly::find_beside() {
 }
 
 // The law's forces for unit velocities of the members, in the order of find_members(): the neighbours, then i.
-std::vector<Block> ViscousMatrix::Assembly::blocks_beside(int i, const InterfaceLaw& law) const {
+std::vector<RowBlock> ViscousMatrix::Assembly::blocks_beside(int i, const InterfaceLaw& law) const {
     std::vector<Neighbour> around;
     Vec3 walls_pull = members[offsets[static_cast<std::size_t>(i) + 1] - 1].force; // less the liquid's part of sum w x
     each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
@@ -205,7 +164,7 @@ std::vector<Block> ViscousMatrix::Assembly::blocks_beside(int i, const Interface
         for (std::size_t k = 0; k < 3; ++k) walls_pull[k] -= w * around.back().x[k];
     });
     const std::size_t own = around.size(), count = own + 1;
-    std::vector<Block> out(count * count);
+    std::vector<RowBlock> out(count * count);
     for (std::size_t moved = 0; moved < count; ++moved) {
         for (std::size_t l = 0; l < 3; ++l) {
             const auto add = [&](std::size_t member, const double force[3]) {
@@ -238,7 +197,7 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
     const auto& constants = parts.constants;
     const double soft = pair_softening(constants.support);
     const auto pair = [&](double shares, double w, const Vec3& x) {
-        Block out{};
+        RowBlock out{};
         const double r2 = inner(x, x);
         if (by_gradients(form)) {
             add_identity(of.damping() * shares * w, out);
@@ -250,12 +209,12 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
         }
         return out;
     };
-    const auto add = [](const Block& from, double sign, Block& to) {
+    const auto add = [](const RowBlock& from, double sign, RowBlock& to) {
         for (std::size_t k = 0; k < 9; ++k) to[k] += sign * from[k];
     };
     add_identity(relative_density(constants, parts.liquid)(i), storage.at(i));
     each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
-        const Block one = pair(share_within(i, j) + share_within(j, i), w, {dx, dy, dz});
+        const RowBlock one = pair(share_within(i, j) + share_within(j, i), w, {dx, dy, dz});
         add(one, 1, storage.at(i));
         add(one, -1, storage.at(j));
     });
@@ -275,19 +234,19 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
         const auto begin = offsets[static_cast<std::size_t>(j)], end = offsets[static_cast<std::size_t>(j) + 1];
         if (const auto& blocks = beside[static_cast<std::size_t>(j)]; !blocks.empty()) {
             for (auto k = begin; k < end; ++k) {
-                Block& to = storage.at(members[k].particle);
-                const Block& from = blocks[static_cast<std::size_t>(which) * (end - begin) + (k - begin)];
+                RowBlock& to = storage.at(members[k].particle);
+                const RowBlock& from = blocks[static_cast<std::size_t>(which) * (end - begin) + (k - begin)];
                 for (std::size_t l = 0; l < 9; ++l) to[l] += from[l];
             }
             continue;
         }
         const Member& at = members[begin + static_cast<std::size_t>(which)];
         const Symmetric p = range_projector(read_symmetric(correction, j));
-        const Block projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
+        const RowBlock projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
         const double c = share(j), damping = 0.5 * of.damping();
         for (auto k = begin; k < end; ++k) {
             const Member& other = members[k];
-            Block& to = storage.at(other.particle);
+            RowBlock& to = storage.at(other.particle);
             const double both = c * inner(other.seen, at.pulled);
             for (std::size_t l = 0; l < 9; ++l) {
                 to[l] += both * projector[l] + c * (other.seen[l / 3] * at.pulled[l % 3]);
@@ -297,48 +256,6 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
                 add_identity(-damping * c * (inner(other.seen, at.force) + inner(at.pulled, other.force)), to);
         }
     }
-}
-
-void ViscousMatrix::Assembly::send(const Comm& comm) {
-    const auto firsts = comm.all_gather(std::int64_t(first));
-    std::vector<Message> outgoing(static_cast<std::size_t>(comm.size()));
-    for (std::size_t rank = 0; rank < outgoing.size(); ++rank) outgoing[rank].rank = static_cast<int>(rank);
-    std::vector<Contribution> kept;
-    for (const auto& one : contributions) {
-        const auto owner = std::upper_bound(firsts.begin(), firsts.end(), std::int64_t(one.row)) - firsts.begin() - 1;
-        if (static_cast<int>(owner) == comm.rank()) { // of a periodic image
-            kept.push_back(one);
-            continue;
-        }
-        auto& bytes = outgoing[static_cast<std::size_t>(owner)].bytes;
-        const auto* start = reinterpret_cast<const char*>(&one);
-        bytes.insert(bytes.end(), start, start + sizeof one);
-    }
-    std::erase_if(outgoing, [](const Message& message) { return message.bytes.empty(); });
-    for (const auto& message : exchange_sparse(comm, outgoing)) {
-        const auto count = message.bytes.size() / sizeof(Contribution);
-        const auto before = kept.size();
-        kept.resize(before + count);
-        std::memcpy(static_cast<void*>(&kept[before]), message.bytes.data(), message.bytes.size());
-    }
-    std::stable_sort(
-        kept.begin(), kept.end(), [](const Contribution& a, const Contribution& b) { return a.row < b.row; });
-    contributions = std::move(kept);
-}
-
-// A row by rising columns, those that were found several times summed.
-void ViscousMatrix::Assembly::append(std::vector<Contribution>& found, solve::BlockRows& out) const {
-    std::stable_sort(
-        found.begin(), found.end(), [](const Contribution& a, const Contribution& b) { return a.column < b.column; });
-    for (std::size_t k = 0; k < found.size(); ++k) {
-        if (k > 0 && found[k].column == found[k - 1].column) {
-            for (std::size_t l = 0; l < 9; ++l) out.values[out.values.size() - 9 + l] += found[k].values[l];
-            continue;
-        }
-        out.columns.push_back(found[k].column);
-        out.values.insert(out.values.end(), found[k].values.begin(), found[k].values.end());
-    }
-    out.offsets.push_back(static_cast<solve::Index>(out.columns.size()));
 }
 
 template <class Kernel>
@@ -351,24 +268,24 @@ solve::BlockRows ViscousMatrix::Assembly::rows(const Kernel& kernel) {
     if (by_gradients(form)) {
         for (int i = owned; i < total; ++i) {
             add_stresses(i, storage);
-            storage.take([&](int particle, const Block& values) {
+            storage.take([&](int particle, const RowBlock& values) {
                 contributions.push_back({row(i), row(particle), values});
             });
         }
     }
-    send(parts.comm);
+    exchange_contributions(parts.comm, first, contributions);
     solve::BlockRows out;
     out.size = 3;
     out.first = first;
-    std::vector<Contribution> found;
+    std::vector<RowContribution> found;
     auto next = contributions.begin();
     for (int i = 0; i < owned; ++i) {
         add_pairs(kernel, i, storage);
         if (by_gradients(form)) add_stresses(i, storage);
         found.clear();
-        storage.take([&](int particle, const Block& values) { found.push_back({row(i), row(particle), values}); });
+        storage.take([&](int particle, const RowBlock& values) { found.push_back({row(i), row(particle), values}); });
         for (; next != contributions.end() && next->row == row(i); ++next) found.push_back(*next);
-        append(found, out);
+        append_row(found, out);
     }
     return out;
 }
