@@ -87,6 +87,30 @@ KOKKOS_INLINE_FUNCTION void follow_polygons(int next[12], const Add& add, const 
     }
 }
 
+// A polygon's vertices, without those that coincide.
+struct Polygon {
+    int n = 0;
+    int vertex[12], faces[12]; // faces: bits, see edge_faces()
+
+    // The next vertex, on these faces.
+    KOKKOS_INLINE_FUNCTION void add(int v, int on) {
+        if (n > 0 && vertex[n - 1] == v) {
+            faces[n - 1] |= on;
+            return;
+        }
+        vertex[n] = v;
+        faces[n] = on;
+        ++n;
+    }
+    // End of the polygon: its last vertex may be the first one again.
+    KOKKOS_INLINE_FUNCTION void close() {
+        if (n > 1 && vertex[n - 1] == vertex[0]) {
+            faces[0] |= faces[n - 1];
+            --n;
+        }
+    }
+};
+
 // Triangles of one polygon, shortest in the sum of their diagonals, none of which lies in a face of the cell: a diagonal
 // there could be the other cell's as well, and an edge of four triangles. Returns their number; -1 when there is no such
 // triangulation. `length(i, j)`: of the diagonal between two vertices of the polygon.

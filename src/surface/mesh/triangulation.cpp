@@ -27,28 +27,6 @@ KOKKOS_INLINE_FUNCTION std::int64_t pack_key(const int place[3]) {
     constexpr std::int64_t half = LatticeKey::half;
     return (place[0] + half) | (place[1] + half) << 21 | (place[2] + half) << 42;
 }
-
-// A polygon's vertices, without those that coincide.
-struct Polygon {
-    int n = 0;
-    int vertex[12], faces[12];
-
-    KOKKOS_INLINE_FUNCTION void add(int v, int on) {
-        if (n > 0 && vertex[n - 1] == v) {
-            faces[n - 1] |= on;
-            return;
-        }
-        vertex[n] = v;
-        faces[n] = on;
-        ++n;
-    }
-    KOKKOS_INLINE_FUNCTION void close() {
-        if (n > 1 && vertex[n - 1] == vertex[0]) {
-            faces[0] |= faces[n - 1];
-            --n;
-        }
-    }
-};
 } // namespace
 
 KOKKOS_INLINE_FUNCTION int Triangulation::View::edge_vertex(const int node[3], int axis) const {
