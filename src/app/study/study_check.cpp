@@ -61,6 +61,14 @@ void leave_out_unfilmed(identify::StudyFile& file) {
     std::erase_if(file.experiments, unfilmed);
 }
 
+// Spacings of the coarsest and the finest rung; an empty one is the scene's own.
+std::vector<std::string> outer_spacings(const identify::StudyFile& file) {
+    const auto& rungs = file.search.rungs;
+    if (rungs.empty()) return {""};
+    if (rungs.size() == 1) return {rungs.front()};
+    return {rungs.front(), rungs.back()};
+}
+
 // Narrow places of each scene's flow, with the measured values and where the search starts, at the coarsest and the finest spacing.
 void print_flow_lengths(const identify::StudyFile& file) {
     std::vector<std::string> given;
@@ -70,11 +78,8 @@ void print_flow_lengths(const identify::StudyFile& file) {
             given.push_back(one.key + "=" + (i < file.searched ? one.start : one.values.front()));
     }
     for (const auto& scene : file.study.scenes) {
-        std::vector<std::string> spacings;
-        if (!file.search.rungs.empty()) spacings.push_back(file.search.rungs.front());
-        if (file.search.rungs.size() > 1) spacings.push_back(file.search.rungs.back());
-        if (spacings.empty()) spacings.emplace_back();
-        for (const auto& spacing : spacings) {
+
+        for (const auto& spacing : outer_spacings(file)) {
             auto set = scene.set;
             set.insert(set.end(), given.begin(), given.end());
             if (!spacing.empty()) set.push_back("domain.spacing=" + spacing);

@@ -55,6 +55,16 @@ int correlation_frames(
     return 200;
 }
 
+namespace {
+
+// Number of the sixth of a turn, from 0 to 5, that a direction lies in.
+int sector_of(double x, double y) {
+    const double angle = std::atan2(y, x);
+    return std::min(5, int((angle + 3.14159265358979) / 1.04719755119660));
+}
+
+} // namespace
+
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     std::map<std::pair<std::size_t, int>, std::array<double, 3>> sums;
     for (const auto& row : layout.rows) {
@@ -68,12 +78,7 @@ std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     for (const auto& row : layout.rows) {
         const auto& s = at(run, row);
         const auto& sum = sums[{row.experiment, s.frame}];
-        if (is_averaged(run, row)) {
-            out.push_back(0);
-            continue;
-        }
-        const double angle = std::atan2(s.y - sum[1] / sum[2], s.x - sum[0] / sum[2]);
-        out.push_back(std::min(5, int((angle + 3.14159265358979) / 1.04719755119660)));
+        out.push_back(is_averaged(run, row) ? 0 : sector_of(s.x - sum[0] / sum[2], s.y - sum[1] / sum[2]));
     }
     return out;
 }
