@@ -98,18 +98,27 @@ bool is_study(const std::filesystem::path& file) {
     return false;
 }
 
-void check_study(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-    auto checked = load_checked_study(file, overrides);
+namespace {
+
+void print_inputs(const identify::StudyFile& checked) {
     const auto& study = checked.study;
-    std::printf("study%s%s\n", study.title.empty() ? "" : ": ", study.title.c_str());
-    for (const auto& scene : study.scenes) row("scene " + scene.name, study.scene_file(scene).string());
-    const bool identifies = !checked.experiments.empty();
     for (std::size_t i = 0; i < checked.searched; ++i)
         row("parameter " + study.parameters[i].name, study.parameters[i].key + ": " + values_of(study.parameters[i]));
     for (const auto& one : study.measured)
         row("measured " + one.name, one.key + ": " + one.value + " +- " + one.plus_minus);
     for (const auto& one : study.read)
         row("figure " + one.name, one.measurement.empty() ? one.table + ": " + one.column : one.measurement);
+}
+
+} // namespace
+
+void check_study(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+    auto checked = load_checked_study(file, overrides);
+    const auto& study = checked.study;
+    std::printf("study%s%s\n", study.title.empty() ? "" : ": ", study.title.c_str());
+    for (const auto& scene : study.scenes) row("scene " + scene.name, study.scene_file(scene).string());
+    const bool identifies = !checked.experiments.empty();
+    print_inputs(checked);
     if (identifies) {
         const auto measured = measured_shares(checked, study_folder(study.path, {}) / "report" / "result.yaml");
         leave_out_unfilmed(checked);

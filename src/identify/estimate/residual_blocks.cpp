@@ -114,6 +114,19 @@ Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
+namespace {
+
+// Largest ratio in row e, at least 1; columns without a variance do not count.
+double largest_ratio(const Matrix& by_blocks, const Matrix& independent, Eigen::Index e) {
+    double largest = 1;
+    for (Eigen::Index k = 0; k < independent.cols(); ++k) {
+        if (independent(e, k) > 0) largest = std::max(largest, by_blocks(e, k) / independent(e, k));
+    }
+    return largest;
+}
+
+} // namespace
+
 std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, const Layout& layout, Eigen::Index p) {
     const auto& [fit, g, blocks] = blocked;
     const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
@@ -128,12 +141,8 @@ std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, 
         counted[block] = true;
     }
     std::vector<double> out(layout.experiments, 1);
-    for (std::size_t e = 0; e < layout.experiments; ++e) {
-        for (Eigen::Index k = 0; k < p; ++k) {
-            if (independent(Eigen::Index(e), k) > 0)
-                out[e] = std::max(out[e], by_blocks(Eigen::Index(e), k) / independent(Eigen::Index(e), k));
-        }
-    }
+    for (std::size_t e = 0; e < layout.experiments; ++e)
+        out[e] = largest_ratio(by_blocks, independent, Eigen::Index(e));
     return out;
 }
 
