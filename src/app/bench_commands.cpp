@@ -54,6 +54,11 @@ void add_solves(CLI::App& app, BenchWords& words) {
         ->type_name("NUMBER");
 }
 
+BenchKind scene_bench_kind(const std::string& word) {
+    if (word == "weak") return BenchKind::weak;
+    return word == "strong" ? BenchKind::strong : BenchKind::kernels;
+}
+
 ExitCode run(const Comm& comm, const BenchWords& words) {
     auto request = words.request;
     if (words.kind == "pressure") {
@@ -70,9 +75,7 @@ ExitCode run(const Comm& comm, const BenchWords& words) {
         viscosity.json = request.json;
         return run_viscosity_bench(comm, viscosity);
     }
-    request.kind = words.kind == "weak"     ? BenchKind::weak
-                   : words.kind == "strong" ? BenchKind::strong
-                                            : BenchKind::kernels;
+    request.kind = scene_bench_kind(words.kind);
     if (!words.scene.empty()) request.scene = find_scene(comm, words.scene);
     return run_bench(comm, request);
 }

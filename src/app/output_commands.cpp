@@ -78,6 +78,12 @@ struct RenderWords {
     bool no_movie = false;
 };
 
+void check_colouring(const RenderRequest& request) {
+    if (request.field == no_field && request.style == Style::spheres)
+        throw InputError({"--field none", "leaves balls without a colour",
+            "liquids have colours of their own with --style surface only", "add it, or name a field"});
+}
+
 RenderRequest render_request(const RenderWords& words) {
     RenderRequest request;
     request.folder = words.folder;
@@ -87,9 +93,7 @@ RenderRequest render_request(const RenderWords& words) {
     request.camera = words.camera;
     request.style = words.style == "spheres" ? Style::spheres : Style::surface;
     if (!words.cut.empty()) request.cut = read_cut(words.cut);
-    if (request.field == no_field && request.style == Style::spheres)
-        throw InputError({"--field none", "leaves balls without a colour",
-            "liquids have colours of their own with --style surface only", "add it, or name a field"});
+    check_colouring(request);
     request.background = words.background == "white" ? video::Background::white : video::Background::dark;
     request.colours = words.colours;
     request.frames = words.frames;

@@ -177,6 +177,42 @@ FilmRequest film_request(const FilmWords& words) {
     return request;
 }
 
+void add_film_times(CLI::App& app, FilmRequest& r) {
+    app.add_option("--lead", r.lead, "Seconds of the empty scene before the run (default 1)")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("S");
+    app.add_option("--still", r.still, "Seconds of the liquid at rest in the run's first frame (default 0)")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("S");
+    app.add_option("--from", r.first, "First time of the run [s] (default: its start)")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("S");
+    app.add_option("--to", r.last, "Last time of the run [s] (default: its end)")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("S");
+    app.add_option("--phase", r.phase, "Of the frames against the run's start, in intervals (default 0)")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("SHARE");
+}
+
+void add_film_look(CLI::App& app, FilmRequest& r) {
+    app.add_option("--blur", r.look.blur, "Blur of the lens, a standard deviation in pixels (default 0.8)")
+        ->type_name("PX");
+    app.add_option("--noise", r.look.noise, "Standard deviation in grey levels of 255 (default 1.5)")
+        ->type_name("LEVELS");
+    app.add_option("--texture", r.look.texture, "Amplitude of the background's pattern, relative (default 0.15)")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("SHARE");
+    app.add_option("--uneven", r.look.uneven_light, "Fall of the light to the corners, relative (default 0.1)")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("SHARE");
+    app.add_option("--drift", r.look.exposure_drift, "The exposure goes up and down by this, relative (default 0)")
+        ->type_name("SHARE");
+    app.add_option("--shadow", r.look.shadow, "Darkness of a soft shadow beside the liquid (default 0)")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("SHARE");
+}
+
 void add_film(CLI::App& program, const ChooseCommand& choose) {
     auto words = std::make_shared<FilmWords>();
     auto& app = *program.add_subcommand("film",
@@ -204,21 +240,7 @@ void add_film(CLI::App& program, const ChooseCommand& choose) {
     app.add_option("--time-map", words->time_map,
            "Slow motion with a ramp: \"STAMP:TIME STAMP:TIME ...\" [s], as of silhouettes")
         ->type_name("MAP");
-    app.add_option("--lead", r.lead, "Seconds of the empty scene before the run (default 1)")
-        ->check(CLI::NonNegativeNumber)
-        ->type_name("S");
-    app.add_option("--still", r.still, "Seconds of the liquid at rest in the run's first frame (default 0)")
-        ->check(CLI::NonNegativeNumber)
-        ->type_name("S");
-    app.add_option("--from", r.first, "First time of the run [s] (default: its start)")
-        ->check(CLI::NonNegativeNumber)
-        ->type_name("S");
-    app.add_option("--to", r.last, "Last time of the run [s] (default: its end)")
-        ->check(CLI::NonNegativeNumber)
-        ->type_name("S");
-    app.add_option("--phase", r.phase, "Of the frames against the run's start, in intervals (default 0)")
-        ->check(CLI::Range(0.0, 1.0))
-        ->type_name("SHARE");
+    add_film_times(app, r);
     app.add_option(
            "--turned", r.turned, "The file is stored turned back by 90, 180 or 270 degrees; its display matrix says so")
         ->check(CLI::IsMember({0, 90, 180, 270}))
@@ -231,21 +253,7 @@ void add_film(CLI::App& program, const ChooseCommand& choose) {
            "--readout", r.shot.readout, "Seconds from the first to the last row of a rolling shutter (default 0)")
         ->check(CLI::NonNegativeNumber)
         ->type_name("S");
-    app.add_option("--blur", r.look.blur, "Blur of the lens, a standard deviation in pixels (default 0.8)")
-        ->type_name("PX");
-    app.add_option("--noise", r.look.noise, "Standard deviation in grey levels of 255 (default 1.5)")
-        ->type_name("LEVELS");
-    app.add_option("--texture", r.look.texture, "Amplitude of the background's pattern, relative (default 0.15)")
-        ->check(CLI::Range(0.0, 1.0))
-        ->type_name("SHARE");
-    app.add_option("--uneven", r.look.uneven_light, "Fall of the light to the corners, relative (default 0.1)")
-        ->check(CLI::Range(0.0, 1.0))
-        ->type_name("SHARE");
-    app.add_option("--drift", r.look.exposure_drift, "The exposure goes up and down by this, relative (default 0)")
-        ->type_name("SHARE");
-    app.add_option("--shadow", r.look.shadow, "Darkness of a soft shadow beside the liquid (default 0)")
-        ->check(CLI::Range(0.0, 1.0))
-        ->type_name("SHARE");
+    add_film_look(app, r);
     app.add_option(
            "--liquid", words->liquid, "Light of the liquid, red, green, blue from 0 to 1 (default 0.05,0.04,0.03)")
         ->type_name("R,G,B");

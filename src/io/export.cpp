@@ -104,6 +104,11 @@ Number ply_type(const std::filesystem::path& path, const Column& column) {
     return type;
 }
 
+const char* ply_name(Number stored) {
+    if (stored == Number::float32) return "float";
+    return stored == Number::float64 ? "double" : "int";
+}
+
 void write_ply(const std::filesystem::path& path, std::ostream& out, const Frame& frame) {
     auto columns = columns_of(frame);
     out << "ply\nformat binary_little_endian 1.0\ncomment time " << digits(frame.time, Number::float64) << " s\n";
@@ -114,10 +119,7 @@ void write_ply(const std::filesystem::path& path, std::ostream& out, const Frame
     out << "element vertex " << frame.size() << '\n';
     for (const auto& column : columns)
         for (int c = 0; c < column.components; ++c) {
-            const char* type = column.stored == Number::float32   ? "float"
-                               : column.stored == Number::float64 ? "double"
-                                                                  : "int";
-            out << "property " << type << ' '
+            out << "property " << ply_name(column.stored) << ' '
                 << (column.positions ? std::string(1, "xyz"[c]) : component_name(column, c)) << '\n';
         }
     out << "end_header\n";

@@ -81,17 +81,19 @@ std::vector<Stretch> ply(const Comm& comm, const std::filesystem::path& path, co
     return out;
 }
 
+std::string vertex_line(const char* name, std::span<const double> values, std::size_t row) {
+    std::string text = name;
+    for (std::size_t k = 0; k < 3; ++k) text += " " + short_digits(values[3 * row + k]);
+    return text + "\n";
+}
+
 std::vector<Stretch> obj(const Comm& comm, const SurfacePart& part) {
     std::vector<Stretch> out(4);
     if (comm.is_root()) out[0].put("# time " + digits(part.time) + " s\n");
-    const auto line = [](const char* name, std::span<const double> values, std::size_t row) {
-        std::string text = name;
-        for (std::size_t k = 0; k < 3; ++k) text += " " + short_digits(values[3 * row + k]);
-        return text + "\n";
-    };
+
     for (std::size_t v = 0; v < count(part); ++v) {
-        out[1].put(line("v", part.vertices, v));
-        if (part.has_normals) out[2].put(line("vn", part.normals, v));
+        out[1].put(vertex_line("v", part.vertices, v));
+        if (part.has_normals) out[2].put(vertex_line("vn", part.normals, v));
     }
     for (const auto& triangle : part.triangles) {
         std::string text = part.dimensions == 3 ? "f" : "l";

@@ -62,15 +62,20 @@ std::string vector_text(const Vec3& x) {
     return "[" + format_number(x[0]) + ", " + format_number(x[1]) + ", " + format_number(x[2]) + "]";
 }
 
-void check_path(const Experiment& experiment, const Tracked& ball, const std::string& name, double last) {
-    const auto start = ball.at(0);
-    double away = 0; // in the sheet
+// Distance in the sheet between the tracked ball and a place.
+double distance_in_sheet(const Experiment& experiment, const Tracked& ball, const Vec3& place) {
+    double squared = 0;
     for (const auto& axis : {experiment.piv.right, experiment.piv.up}) {
         double along = 0;
-        for (std::size_t k = 0; k < 3; ++k) along += axis[k] * (start[k] - ball.centre[k]);
-        away += along * along;
+        for (std::size_t k = 0; k < 3; ++k) along += axis[k] * (place[k] - ball.centre[k]);
+        squared += along * along;
     }
-    if (std::sqrt(away) > std::max(0.05 * ball.size, 3 * ball.track.deviation())) {
+    return std::sqrt(squared);
+}
+
+void check_path(const Experiment& experiment, const Tracked& ball, const std::string& name, double last) {
+    const auto start = ball.at(0);
+    if (distance_in_sheet(experiment, ball, start) > std::max(0.05 * ball.size, 3 * ball.track.deviation())) {
         throw InputError({experiment.piv.where,
             "ball.track is at " + vector_text(start) + " m at the scene's time 0, and the body " + name + " at " +
                 vector_text(ball.centre) + " m",

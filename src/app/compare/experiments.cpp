@@ -138,11 +138,17 @@ ObservationNeeds scene_needs(const StudyFile& file, const study::StudyScene& sce
     return out;
 }
 
+namespace {
+
+std::string describe_masks(const StudyFile& file, const Experiment& experiment) {
+    const auto folder = file.beside(experiment.masks);
+    return folder.string() + ": " + std::to_string(identify::observed_frames(experiment, folder).size()) + " masks";
+}
+
+} // namespace
+
 std::string describe_observations(const StudyFile& file, const Experiment& experiment) {
-    if (has_masks(experiment.kind)) {
-        return file.beside(experiment.masks).string() + ": " +
-               std::to_string(identify::observed_frames(experiment, file.beside(experiment.masks)).size()) + " masks";
-    }
+    if (has_masks(experiment.kind)) return describe_masks(file, experiment);
     const auto input = input_of(file, file.scene_of(experiment));
     if (experiment.kind == ExperimentKind::series)
         return file.beside(experiment.series.file).string() + ": " +

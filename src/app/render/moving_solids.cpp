@@ -30,6 +30,17 @@ std::vector<std::vector<double>> read_columns(
 }
 } // namespace
 
+namespace {
+
+void add_pose_columns(const std::string& body, std::vector<std::string>& names) {
+    for (const auto& [what, unit] : {std::pair(" position", " [m]"), {" rotation", " [rad]"}, {" velocity", " [m/s]"},
+             {" angular velocity", " [rad/s]"}}) {
+        for (const char* axis : {" x", " y", " z"}) names.push_back(body + what + axis + unit);
+    }
+}
+
+} // namespace
+
 MovingSolids::MovingSolids(const Comm& comm, const RunView& run) {
     const auto& bodies = run.input.scene.bodies;
     if (bodies.empty()) return;
@@ -44,10 +55,7 @@ MovingSolids::MovingSolids(const Comm& comm, const RunView& run) {
         if (!moves(bodies[b])) continue;
         solid.centre = setup.bodies[b].centre;
         moving_.back() = static_cast<int>(names.size());
-        for (const auto& [what, unit] : {std::pair(" position", " [m]"), {" rotation", " [rad]"},
-                 {" velocity", " [m/s]"}, {" angular velocity", " [rad/s]"}}) {
-            for (const char* axis : {" x", " y", " z"}) names.push_back(bodies[b].name + what + axis + unit);
-        }
+        add_pose_columns(bodies[b].name, names);
     }
     if (!names.empty()) comm.guard([&] { poses_ = read_columns(run.folder.bodies(), names); });
 }

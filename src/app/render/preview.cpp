@@ -69,15 +69,17 @@ private:
     std::vector<char> taken_;
 };
 
+// Sides for a coarser lattice, which need not fit a periodic edge; such sides have no particles either way.
+void open_periodic_sides(scene::WallSampling& walls) {
+    for (auto& side : walls.sides) {
+        if (side == scene::Side::periodic) side = scene::Side::open;
+    }
+}
+
 void add_solids(const Geometry& geometry, double spacing, Preview& preview) {
     auto walls = geometry.walls;
     walls.lattice = preview.lattice;
-    if (preview.coarsening > 1) {
-        // The coarser lattice need not fit a periodic edge; such sides have no particles either way.
-        for (auto& side : walls.sides) {
-            if (side == scene::Side::periodic) side = scene::Side::open;
-        }
-    }
+    if (preview.coarsening > 1) open_periodic_sides(walls);
     const auto samples = scene::sample_domain_walls(walls);
     for (std::size_t i = 0; i < samples.positions.size(); ++i)
         preview.solids.add(samples.positions[i], SolidKind::wall);

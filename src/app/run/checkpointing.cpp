@@ -41,11 +41,9 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
 }
 } // namespace
 
-void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& state_hash,
-    const Progress& progress, const Simulation& solver) {
-    const auto& comm = solver.comm();
-    io::CheckpointWriter writer(comm, io::checkpoint_path(folder.checkpoints(), progress.step));
-    writer.attribute("scene", state_hash);
+namespace {
+
+void write_progress(io::CheckpointWriter& writer, const Progress& progress) {
     writer.attribute("step", progress.step);
     writer.attribute("time", progress.time);
     writer.attribute("checkpoints", progress.checkpoints);
@@ -54,6 +52,16 @@ void save_checkpoint(const io::RunFolder& folder, const Input& input, const std:
     writer.attribute("initial_particles", progress.initial_particles);
     writer.attribute("wall_seconds", progress.wall_seconds);
     for (std::size_t k = 0; k < loss_causes; ++k) writer.attribute(cause_names[k], progress.lost[k]);
+}
+
+} // namespace
+
+void save_checkpoint(const io::RunFolder& folder, const Input& input, const std::string& state_hash,
+    const Progress& progress, const Simulation& solver) {
+    const auto& comm = solver.comm();
+    io::CheckpointWriter writer(comm, io::checkpoint_path(folder.checkpoints(), progress.step));
+    writer.attribute("scene", state_hash);
+    write_progress(writer, progress);
     const auto state = solver.state();
     writer.replicated("decomposition", std::span<const std::int64_t>(state.decomposition));
     writer.replicated("bodies", std::span<const double>(state.bodies));

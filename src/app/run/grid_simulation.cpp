@@ -57,6 +57,17 @@ const ParticleStore& GridSimulation::solid_points() {
     return points_->store();
 }
 
+namespace {
+
+std::vector<std::string> notes_on_filling(const Input& input, const Geometry& geometry) {
+    auto notes = geometry.notes;
+    for (auto& note : body_warnings(input, geometry)) notes.push_back(std::move(note));
+    for (auto& note : inflow_notes(input)) notes.push_back(std::move(note));
+    return notes;
+}
+
+} // namespace
+
 std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
     comm().guard([&] {
         grid::Seeding seeding;
@@ -74,10 +85,7 @@ std::vector<std::string> GridSimulation::fill(const Geometry& geometry) {
         grid::seed(seeding, solver_.grid(), solver_.decomposition(), solver_.particles());
     });
     solver_.start();
-    auto notes = geometry.notes;
-    for (auto& note : body_warnings(input_, geometry)) notes.push_back(std::move(note));
-    for (auto& note : inflow_notes(input_)) notes.push_back(std::move(note));
-    return notes;
+    return notes_on_filling(input_, geometry);
 }
 
 void GridSimulation::restore(const RestartState& state) {

@@ -91,17 +91,20 @@ ExitCode run_asked(const Comm& comm, const std::filesystem::path& folder, const 
     return code;
 }
 
+void check_ranks(const Comm& comm, const std::filesystem::path& folder, const Asked& asked) {
+    if (comm.size() == asked.file.study.runs.ranks) return;
+    const auto ranks = std::to_string(asked.file.study.runs.ranks);
+    throw InputError({folder.string(), "is run on " + std::to_string(comm.size()) + " ranks",
+        "the study's runs have " + ranks + " (runs.ranks), and digits may differ between numbers of ranks",
+        "start it with mpiexec -n " + ranks + ", or change the study"});
+}
+
 ExitCode answer(const Comm& comm, const std::filesystem::path& folder, const Company& company) {
     Asked asked;
     bool done = false;
     comm.guard([&] {
         read_asked(folder, asked);
-        if (comm.size() != asked.file.study.runs.ranks) {
-            throw InputError({folder.string(), "is run on " + std::to_string(comm.size()) + " ranks",
-                "the study's runs have " + std::to_string(asked.file.study.runs.ranks) +
-                    " (runs.ranks), and digits may differ between numbers of ranks",
-                "start it with mpiexec -n " + std::to_string(asked.file.study.runs.ranks) + ", or change the study"});
-        }
+        check_ranks(comm, folder, asked);
         const auto result = study::read_result(folder, asked.request.run.key);
         done = result && (!result->bound || *result->bound > asked.request.cut);
     });

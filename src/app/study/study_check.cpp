@@ -61,6 +61,14 @@ void leave_out_unfilmed(identify::StudyFile& file) {
     std::erase_if(file.experiments, unfilmed);
 }
 
+// Spacings of the coarsest and the finest rung; an empty one is the scene's own.
+std::vector<std::string> outer_spacings(const identify::StudyFile& file) {
+    const auto& rungs = file.search.rungs;
+    if (rungs.empty()) return {""};
+    if (rungs.size() == 1) return {rungs.front()};
+    return {rungs.front(), rungs.back()};
+}
+
 // Narrow places of each scene's flow, with the measured values and where the search starts, at the coarsest and the finest spacing.
 void print_flow_lengths(const identify::StudyFile& file) {
     std::vector<std::string> given;
@@ -70,11 +78,8 @@ void print_flow_lengths(const identify::StudyFile& file) {
             given.push_back(one.key + "=" + (i < file.searched ? one.start : one.values.front()));
     }
     for (const auto& scene : file.study.scenes) {
-        std::vector<std::string> spacings;
-        if (!file.search.rungs.empty()) spacings.push_back(file.search.rungs.front());
-        if (file.search.rungs.size() > 1) spacings.push_back(file.search.rungs.back());
-        if (spacings.empty()) spacings.emplace_back();
-        for (const auto& spacing : spacings) {
+
+        for (const auto& spacing : outer_spacings(file)) {
             auto set = scene.set;
             set.insert(set.end(), given.begin(), given.end());
             if (!spacing.empty()) set.push_back("domain.spacing=" + spacing);
@@ -93,18 +98,27 @@ bool is_study(const std::filesystem::path& file) {
     return false;
 }
 
-void check_study(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-    auto checked = load_checked_study(file, overrides);
+namespace {
+
+void print_inputs(const identify::StudyFile& checked) {
     const auto& study = checked.study;
-    std::printf("study%s%s\n", study.title.empty() ? "" : ": ", study.title.c_str());
-    for (const auto& scene : study.scenes) row("scene " + scene.name, study.scene_file(scene).string());
-    const bool identifies = !checked.experiments.empty();
     for (std::size_t i = 0; i < checked.searched; ++i)
         row("parameter " + study.parameters[i].name, study.parameters[i].key + ": " + values_of(study.parameters[i]));
     for (const auto& one : study.measured)
         row("measured " + one.name, one.key + ": " + one.value + " +- " + one.plus_minus);
     for (const auto& one : study.read)
         row("figure " + one.name, one.measurement.empty() ? one.table + ": " + one.column : one.measurement);
+}
+
+} // namespace
+
+void check_study(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+    auto checked = load_checked_study(file, overrides);
+    const auto& study = checked.study;
+    std::printf("study%s%s\n", study.title.empty() ? "" : ": ", study.title.c_str());
+    for (const auto& scene : study.scenes) row("scene " + scene.name, study.scene_file(scene).string());
+    const bool identifies = !checked.experiments.empty();
+    print_inputs(checked);
     if (identifies) {
         const auto measured = measured_shares(checked, study_folder(study.path, {}) / "report" / "result.yaml");
         leave_out_unfilmed(checked);

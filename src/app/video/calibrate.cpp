@@ -111,6 +111,13 @@ video::CameraRecord record_of(const video::Calibration& calibration, const std::
     return camera;
 }
 
+std::string count_of_used(const video::Calibration& calibration, const video::CalibrationOptions& options) {
+    return std::to_string(calibration.count(video::PictureState::used)) + " of " +
+           std::to_string(calibration.pictures.size()) + " pictures used, error " + fixed(calibration.rms, 3) +
+           " pixels; outliers exceed " + format_number(options.outlier_factor) + " times the median and " +
+           format_number(options.outlier_floor) + " pixels";
+}
+
 video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
     const auto board = board_of(request);
     video::BoardPicturesOptions search;
@@ -125,10 +132,7 @@ video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
     options.outlier_factor = request.outliers;
     const auto calibration = video::calibrate(board, options, std::move(pictures));
     print_pictures(log, calibration);
-    log.line(std::to_string(calibration.count(video::PictureState::used)) + " of " +
-             std::to_string(calibration.pictures.size()) + " pictures used, error " + fixed(calibration.rms, 3) +
-             " pixels; outliers exceed " + format_number(options.outlier_factor) + " times the median and " +
-             format_number(options.outlier_floor) + " pixels");
+    log.line(count_of_used(calibration, options));
     print_parameters(log, calibration);
     for (const auto& warning : calibration.warnings) log.warn(warning);
     return calibration;

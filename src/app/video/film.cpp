@@ -171,10 +171,18 @@ private:
     std::optional<video::ClipWriter> writer_;
 };
 
+nlohmann::ordered_json summary_of_camera(const scene::CameraModel& model) {
+    const auto& lens = model.lens();
+    return {{"name", model.name()}, {"width", lens.width}, {"height", lens.height}, {"fx", lens.fx}, {"fy", lens.fy},
+        {"cx", lens.cx}, {"cy", lens.cy}, {"distortion", lens.distortion},
+        {"rotation_vector", scene::rotation_vector(model.pose().rotation)},
+        {"translation_vector", model.pose().translation}};
+}
+
 nlohmann::ordered_json summary_of(
     const FilmRequest& request, const scene::CameraModel& model, const std::vector<FilmFrame>& frames) {
     const auto& look = request.look;
-    const auto& lens = model.lens();
+
     nlohmann::ordered_json out;
     out["run"] = request.run.string();
     out["frames"] = frames.size();
@@ -182,10 +190,7 @@ nlohmann::ordered_json summary_of(
     out["jitter"] = request.jitter;
     out["start_stamp_s"] = request.lead + request.still;
     out["turned_degrees"] = request.turned;
-    out["camera"] = {{"name", model.name()}, {"width", lens.width}, {"height", lens.height}, {"fx", lens.fx},
-        {"fy", lens.fy}, {"cx", lens.cx}, {"cy", lens.cy}, {"distortion", lens.distortion},
-        {"rotation_vector", scene::rotation_vector(model.pose().rotation)},
-        {"translation_vector", model.pose().translation}};
+    out["camera"] = summary_of_camera(model);
     out["look"] = {{"texture", look.texture}, {"uneven_light", look.uneven_light},
         {"exposure_drift", look.exposure_drift}, {"blur_px", look.blur}, {"noise", look.noise}, {"shadow", look.shadow},
         {"background", look.background}, {"seed", look.seed}};

@@ -51,16 +51,22 @@ CsvTable CsvTable::create(const std::filesystem::path& path, std::vector<std::st
     return CsvTable(path, std::move(columns));
 }
 
+namespace {
+
+[[noreturn]] void refuse_header(const std::filesystem::path& path) {
+    throw InputError({path.string() + ":1", "the header is not the one that this run writes",
+        "the file belongs to another scene or version", "move it away to start a new one"});
+}
+
+} // namespace
+
 CsvTable CsvTable::resume(const std::filesystem::path& path, std::vector<std::string> columns, std::int64_t last_step) {
     std::ifstream old(path);
     if (!old) return create(path, std::move(columns));
     std::string kept = header(path, columns);
     std::string line;
     std::getline(old, line);
-    if (line + "\n" != kept) {
-        throw InputError({path.string() + ":1", "the header is not the one that this run writes",
-            "the file belongs to another scene or version", "move it away to start a new one"});
-    }
+    if (line + "\n" != kept) refuse_header(path);
     std::string last;
     // A row without its line break was cut off: getline then ends at the end of the file.
     while (std::getline(old, line) && !old.eof()) {

@@ -52,6 +52,18 @@ void sync_and_rename(const std::filesystem::path& temporary, const std::filesyst
     sync_path(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
 }
 
+namespace {
+
+[[noreturn]] void abandon(int file, const std::filesystem::path& temporary, const std::filesystem::path& path) {
+    const int saved = errno;
+    ::close(file);
+    ::unlink(temporary.c_str());
+    errno = saved;
+    fail(path, "write");
+}
+
+} // namespace
+
 void write_file_atomically(const std::filesystem::path& path, const std::string& content, Durability durability) {
     auto temporary = path;
     temporary += ".tmp";
@@ -60,13 +72,7 @@ void write_file_atomically(const std::filesystem::path& path, const std::string&
     std::size_t done = 0;
     while (done < content.size()) {
         const ssize_t n = ::write(file, content.data() + done, content.size() - done);
-        if (n < 0) {
-            const int saved = errno;
-            ::close(file);
-            ::unlink(temporary.c_str());
-            errno = saved;
-            fail(path, "write");
-        }
+        if (n < 0) abandon(file, temporary, path);
         done += static_cast<std::size_t>(n);
     }
     ::close(file);

@@ -15,6 +15,17 @@ search::Value value_for_search(const StudyFile& file, const Trial& trial) {
     return std::isnan(trial.objective) ? search::Value::failed() : search::Value::measured(sought(file, trial));
 }
 
+namespace {
+
+void add_mismatches(const StudyFile& file, std::size_t scene, const std::filesystem::path& folder, double& sum) {
+    for (const auto& experiment : file.experiments) {
+        if (&file.scene_of(experiment) == &file.study.scenes[scene])
+            sum += read_residuals(folder, experiment.name, experiment.kind).mismatch;
+    }
+}
+
+} // namespace
+
 std::optional<double> bound_of_runs(
     const StudyFile& file, const study::StudyRuns& runs, const std::vector<std::int64_t>& numbers) {
     bool any = false;
@@ -28,12 +39,7 @@ std::optional<double> bound_of_runs(
     for (std::size_t s = 0; s < numbers.size(); ++s) {
         const auto& outcome = *runs.journal().outcome(numbers[s]);
         sum += outcome.bound; // 0 of those that are whole
-        if (outcome.status == study::RunStatus::stopped_early) continue;
-        const auto folder = runs.folder_of(numbers[s]);
-        for (const auto& experiment : file.experiments) {
-            if (&file.scene_of(experiment) == &file.study.scenes[s])
-                sum += read_residuals(folder, experiment.name, experiment.kind).mismatch;
-        }
+        if (outcome.status != study::RunStatus::stopped_early) add_mismatches(file, s, runs.folder_of(numbers[s]), sum);
     }
     return sum / double(file.experiments.size());
 }

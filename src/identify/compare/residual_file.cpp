@@ -58,8 +58,9 @@ void read_squares(const CsvColumns& frames, RunResiduals& out) {
 }
 } // namespace
 
-void write_residuals(
-    const std::filesystem::path& folder, const std::string& experiment, const RunResiduals& residuals) {
+namespace {
+
+void write_segments(const std::filesystem::path& folder, const std::string& experiment, const RunResiduals& residuals) {
     const auto views = view_parameters(residuals.kind).size();
     auto segments = CsvTable::create(segment_file(folder, experiment), segment_columns(residuals.kind));
     for (const auto& s : residuals.segments) {
@@ -68,6 +69,13 @@ void write_residuals(
         segments.append(row);
     }
     segments.sync();
+}
+
+} // namespace
+
+void write_residuals(
+    const std::filesystem::path& folder, const std::string& experiment, const RunResiduals& residuals) {
+    write_segments(folder, experiment, residuals);
     const bool masks = has_masks(residuals.kind);
     auto frames = CsvTable::create(
         frame_file(folder, experiment), masks ? contour_frame_columns : square_columns(residuals.kind));

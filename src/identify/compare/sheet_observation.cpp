@@ -53,6 +53,15 @@ std::vector<double> times_of(const Sheet& sheet, const Beside& beside, std::size
         "there are " + std::to_string(count) + " fields", "give a row a field"});
 }
 
+void check_same_size(const Sheet& sheet, const std::vector<video::PivField>& fields) {
+    for (const auto& field : fields) {
+        if (field.x.size() == fields.front().x.size()) continue;
+        throw InputError(
+            {sheet.where, "outliers.alpha compares fields in time, and these differ in their number of vectors",
+                "a vector needs its neighbours in time", "leave alpha out"});
+    }
+}
+
 // Marks outliers as not valid; returns how many of each field.
 std::vector<std::size_t> mark_outliers(
     const Sheet& sheet, std::vector<video::PivField>& fields, const std::vector<double>& times) {
@@ -64,12 +73,7 @@ std::vector<std::size_t> mark_outliers(
     }
     if (sheet.outliers.alpha > 0 && fields.size() > 2) {
         const double step = times[1] - times[0];
-        for (const auto& field : fields) {
-            if (field.x.size() == fields.front().x.size()) continue;
-            throw InputError(
-                {sheet.where, "outliers.alpha compares fields in time, and these differ in their number of vectors",
-                    "a vector needs its neighbours in time", "leave alpha out"});
-        }
+        check_same_size(sheet, fields);
         video::reject_sudden(fields, sheet.outliers.alpha * step * step, sheet.outliers.floor * step * step);
     }
     for (std::size_t i = 0; i < fields.size(); ++i) out.push_back(before[i] - fields[i].count_valid());

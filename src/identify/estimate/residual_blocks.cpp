@@ -55,6 +55,16 @@ int correlation_frames(
     return 200;
 }
 
+namespace {
+
+// Number of the sixth of a turn, from 0 to 5, that a direction lies in.
+int sector_of(double x, double y) {
+    const double angle = std::atan2(y, x);
+    return std::min(5, int((angle + 3.14159265358979) / 1.04719755119660));
+}
+
+} // namespace
+
 std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     std::map<std::pair<std::size_t, int>, std::array<double, 3>> sums;
     for (const auto& row : layout.rows) {
@@ -68,12 +78,7 @@ std::vector<int> sectors(const EvaluatedRun& run, const Layout& layout) {
     for (const auto& row : layout.rows) {
         const auto& s = at(run, row);
         const auto& sum = sums[{row.experiment, s.frame}];
-        if (is_averaged(run, row)) {
-            out.push_back(0);
-            continue;
-        }
-        const double angle = std::atan2(s.y - sum[1] / sum[2], s.x - sum[0] / sum[2]);
-        out.push_back(std::min(5, int((angle + 3.14159265358979) / 1.04719755119660)));
+        out.push_back(is_averaged(run, row) ? 0 : sector_of(s.x - sum[0] / sum[2], s.y - sum[1] / sum[2]));
     }
     return out;
 }
@@ -109,6 +114,19 @@ Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
+namespace {
+
+// Largest ratio in row e, at least 1; columns without a variance do not count.
+double largest_ratio(const Matrix& by_blocks, const Matrix& independent, Eigen::Index e) {
+    double largest = 1;
+    for (Eigen::Index k = 0; k < independent.cols(); ++k) {
+        if (independent(e, k) > 0) largest = std::max(largest, by_blocks(e, k) / independent(e, k));
+    }
+    return largest;
+}
+
+} // namespace
+
 std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, const Layout& layout, Eigen::Index p) {
     const auto& [fit, g, blocks] = blocked;
     const Matrix weighted = fit.weights.cwiseProduct(fit.left).asDiagonal() * g;
@@ -123,12 +141,8 @@ std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, 
         counted[block] = true;
     }
     std::vector<double> out(layout.experiments, 1);
-    for (std::size_t e = 0; e < layout.experiments; ++e) {
-        for (Eigen::Index k = 0; k < p; ++k) {
-            if (independent(Eigen::Index(e), k) > 0)
-                out[e] = std::max(out[e], by_blocks(Eigen::Index(e), k) / independent(Eigen::Index(e), k));
-        }
-    }
+    for (std::size_t e = 0; e < layout.experiments; ++e)
+        out[e] = largest_ratio(by_blocks, independent, Eigen::Index(e));
     return out;
 }
 

@@ -68,6 +68,16 @@ std::string picture(const std::vector<const ComparedVector*>& vectors, const Box
 }
 } // namespace
 
+namespace {
+
+std::string file_suffix(int number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "_%06d.svg", number);
+    return text;
+}
+
+} // namespace
+
 std::vector<ReportPicture> write_field_pictures(
     const std::filesystem::path& folder, const Experiment& experiment, const std::filesystem::path& run) {
     const auto vectors = read_vectors(run, experiment.name);
@@ -83,9 +93,8 @@ std::vector<ReportPicture> write_field_pictures(
     const auto count = std::min(most_fields, numbers.size());
     for (std::size_t k = 0; k < count; ++k) {
         const int number = numbers[count == 1 ? 0 : k * (numbers.size() - 1) / (count - 1)];
-        char name[32];
-        std::snprintf(name, sizeof name, "_%06d.svg", number);
-        out.push_back({experiment.name + name, experiment.name + ", field " + std::to_string(number)});
+
+        out.push_back({experiment.name + file_suffix(number), experiment.name + ", field " + std::to_string(number)});
         write_file_atomically(folder / out.back().file, picture(fields[number], box));
     }
     return out;

@@ -41,17 +41,20 @@ struct Crop {
     }
 };
 
+// Pixels from low to high that the k-th of `count` equal parts covers: at least one.
+std::pair<int, int> part_of_range(int low, int high, int k, int count) {
+    const int begin = low + (high - low) * k / count;
+    return {begin, std::max(begin + 1, low + (high - low) * (k + 1) / count)};
+}
+
 // A part of a picture in another size; pixels of the result are means of those that they cover.
 video::Image scaled(const video::Image& from, const Crop& crop, int width, int height) {
     video::Image out{width, height, std::vector<std::uint8_t>(3 * std::size_t(width) * std::size_t(height))};
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const auto range = [](int low, int high, int k, int count) {
-                const int begin = low + (high - low) * k / count;
-                return std::pair{begin, std::max(begin + 1, low + (high - low) * (k + 1) / count)};
-            };
-            const auto [x0, x1] = range(crop.left, crop.right, x, width);
-            const auto [y0, y1] = range(crop.top, crop.bottom, y, height);
+
+            const auto [x0, x1] = part_of_range(crop.left, crop.right, x, width);
+            const auto [y0, y1] = part_of_range(crop.top, crop.bottom, y, height);
             for (int c = 0; c < 3; ++c) {
                 int sum = 0;
                 for (int j = y0; j < y1; ++j)

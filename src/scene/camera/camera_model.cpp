@@ -119,18 +119,25 @@ bool Lens::is_distorted() const {
     return std::ranges::any_of(distortion, [](double k) { return k != 0; });
 }
 
+namespace {
+
+[[noreturn]] void refuse_size(const Lens& lens, int width, int height) {
+    const bool turned = std::abs(lens.width * double(width) / lens.height - height) <= 1;
+    refuse("",
+        "the camera was calibrated for pictures of " + std::to_string(lens.width) + " x " +
+            std::to_string(lens.height) + " pixels, these have " + std::to_string(width) + " x " +
+            std::to_string(height),
+        turned ? "they are turned by a quarter" : "they are cropped or squeezed",
+        turned ? "turn the pictures as those of the calibration were"
+               : "film board and experiment in the same mode of the camera");
+}
+
+} // namespace
+
 Lens resized(const Lens& lens, int width, int height) {
     const double x = double(width) / lens.width, y = double(height) / lens.height;
-    if (std::abs(lens.height * x - height) > 1 && std::abs(lens.width * y - width) > 1) {
-        const bool turned = std::abs(lens.width * double(width) / lens.height - height) <= 1;
-        refuse("",
-            "the camera was calibrated for pictures of " + std::to_string(lens.width) + " x " +
-                std::to_string(lens.height) + " pixels, these have " + std::to_string(width) + " x " +
-                std::to_string(height),
-            turned ? "they are turned by a quarter" : "they are cropped or squeezed",
-            turned ? "turn the pictures as those of the calibration were"
-                   : "film board and experiment in the same mode of the camera");
-    }
+    if (std::abs(lens.height * x - height) > 1 && std::abs(lens.width * y - width) > 1)
+        refuse_size(lens, width, height);
     Lens out = lens;
     out.width = width;
     out.height = height;

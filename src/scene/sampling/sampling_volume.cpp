@@ -168,6 +168,13 @@ Vec3 moved_out(const VolumeFill& fill, Vec3 x) {
     return x;
 }
 
+int longest_axis(const IndexBox& box) {
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+        if (box.hi[a] - box.lo[a] > box.hi[axis] - box.lo[axis]) axis = a;
+    return axis;
+}
+
 // Cuts the box into blocks for which decide(middle, radius) gives one answer, down to blocks of `finest`
 // points an edge, classified by their middle. The distances are 1-Lipschitz, so a block far from every surface
 // needs one evaluation.
@@ -186,9 +193,7 @@ void visit_blocks(
     if (const auto answer = decide(middle, radius)) return visit(box, *answer);
     if (box.longest() <= finest) return visit(box, *decide(middle, 0.0));
     IndexBox low = box, high = box;
-    int axis = 0;
-    for (int a = 1; a < 3; ++a)
-        if (box.hi[a] - box.lo[a] > box.hi[axis] - box.lo[axis]) axis = a;
+    const int axis = longest_axis(box);
     low.hi[axis] = high.lo[axis] = (box.lo[axis] + box.hi[axis]) / 2;
     visit_blocks(lattice, low, finest, decide, visit);
     visit_blocks(lattice, high, finest, decide, visit);

@@ -235,19 +235,25 @@ SurfacePointer make_cross_section(const std::vector<Piece>& pieces, Inside insid
     return std::make_shared<Cut>(pieces, std::move(inside));
 }
 
+namespace {
+
+Vec3 crossing_of_edge(const TriangleMesh& mesh, int v, int w) {
+    const Vec3 &a = mesh.vertices[std::min(v, w)], &b = mesh.vertices[std::max(v, w)];
+    const Vec3 x = a + (a[2] / (a[2] - b[2])) * (b - a);
+    return {x[0], x[1], 0};
+}
+
+} // namespace
+
 std::vector<Piece> slice(const TriangleMesh& mesh) {
     // A vertex at z = 0 counts as above, which is a cut just below the plane: no vertex lies in it.
     const auto above = [&](int v) { return mesh.vertices[v][2] >= 0; };
-    const auto crossing = [&](int v, int w) {
-        const Vec3 &a = mesh.vertices[std::min(v, w)], &b = mesh.vertices[std::max(v, w)];
-        const Vec3 x = a + (a[2] / (a[2] - b[2])) * (b - a);
-        return Vec3{x[0], x[1], 0};
-    };
+
     std::vector<Piece> pieces;
     for (const auto& t : mesh.triangles) {
         std::vector<Vec3> ends;
         for (int c = 0; c < 3; ++c)
-            if (above(t[c]) != above(t[(c + 1) % 3])) ends.push_back(crossing(t[c], t[(c + 1) % 3]));
+            if (above(t[c]) != above(t[(c + 1) % 3])) ends.push_back(crossing_of_edge(mesh, t[c], t[(c + 1) % 3]));
         if (ends.size() != 2) continue;
         const Vec3 n = cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]);
         const Vec3 inside_left{-n[1], n[0], 0};

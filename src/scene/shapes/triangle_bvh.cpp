@@ -94,17 +94,25 @@ TriangleBvh::TriangleBvh(std::vector<Triangle> triangles)
     triangles_ = std::move(ordered);
 }
 
+namespace {
+
+void enclose(const Triangle& triangle, Bounds& box) {
+    for (const Vec3& corner : triangle)
+        for (int a = 0; a < 3; ++a) {
+            box.min[a] = std::min(box.min[a], corner[a]);
+            box.max[a] = std::max(box.max[a], corner[a]);
+        }
+}
+
+} // namespace
+
 void TriangleBvh::measure(Node& node, int first, int count) const {
     node.box = Bounds::nothing();
     double total = 0;
     Vec3 weighted{0, 0, 0};
     for (int i = first; i < first + count; ++i) {
         const Triangle& t = triangles_[number_[i]];
-        for (const Vec3& corner : t)
-            for (int a = 0; a < 3; ++a) {
-                node.box.min[a] = std::min(node.box.min[a], corner[a]);
-                node.box.max[a] = std::max(node.box.max[a], corner[a]);
-            }
+        enclose(t, node.box);
         const Vec3 area = 0.5 * cross(t[1] - t[0], t[2] - t[0]);
         const double size = length(area);
         node.area_normal += area;

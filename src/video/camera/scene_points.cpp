@@ -6,6 +6,20 @@
 
 namespace treacle::video {
 
+namespace {
+
+void read_deviations(const NumberTable& table, std::vector<ScenePoint>& points) {
+    const auto deviations = table.column("s", unit::none);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i].deviation = deviations[i];
+        if (deviations[i] < 0)
+            throw InputError({points[i].where, "s = " + format_number(deviations[i]) + ": must be > 0",
+                "it is a standard deviation", "leave the column out if it is not known"});
+    }
+}
+
+} // namespace
+
 std::vector<ScenePoint> read_scene_points(const std::filesystem::path& path) {
     const NumberTable table(path);
     std::vector<ScenePoint> out(table.rows());
@@ -18,14 +32,7 @@ std::vector<ScenePoint> read_scene_points(const std::filesystem::path& path) {
         const auto values = table.column(name, unit::none);
         for (std::size_t i = 0; i < out.size(); ++i) out[i].pixel[std::size_t(name[0] - 'u')] = values[i];
     }
-    if (!table.has("s")) return out;
-    const auto deviations = table.column("s", unit::none);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        out[i].deviation = deviations[i];
-        if (deviations[i] < 0)
-            throw InputError({out[i].where, "s = " + format_number(deviations[i]) + ": must be > 0",
-                "it is a standard deviation", "leave the column out if it is not known"});
-    }
+    if (table.has("s")) read_deviations(table, out);
     return out;
 }
 

@@ -29,19 +29,24 @@ bool picture_name(const fs::path& path) {
     return std::ranges::find(endings, lower(path.extension().string())) != endings.end();
 }
 
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+// Digits from k on, without leading zeros; k goes behind them.
+std::string take_number(const std::string& text, std::size_t& k) {
+    while (k < text.size() && text[k] == '0') ++k;
+    const auto start = k;
+    while (k < text.size() && is_digit(text[k])) ++k;
+    return text.substr(start, k - start);
+}
+
 // "a10" after "a9": numbers by value, the rest by letter.
 bool before(const std::string& a, const std::string& b) {
     std::size_t i = 0, j = 0;
-    const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+
     while (i < a.size() && j < b.size()) {
-        if (digit(a[i]) && digit(b[j])) {
-            const auto run = [&](const std::string& text, std::size_t& k) {
-                while (k < text.size() && text[k] == '0') ++k;
-                const auto start = k;
-                while (k < text.size() && digit(text[k])) ++k;
-                return text.substr(start, k - start);
-            };
-            const auto x = run(a, i), y = run(b, j);
+        if (is_digit(a[i]) && is_digit(b[j])) {
+
+            const auto x = take_number(a, i), y = take_number(b, j);
             if (x.size() != y.size()) return x.size() < y.size();
             if (x != y) return x < y;
         } else if (a[i] != b[j]) {

@@ -62,6 +62,20 @@ bool is_cut_off(const Bytes& bytes) {
 
 } // namespace
 
+namespace {
+
+// Picture without pixels where the bytes cannot be decoded.
+cv::Mat decoded_grey(const Bytes& bytes) {
+    try {
+        return codecs().decode(
+            cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), cv::IMREAD_GRAYSCALE);
+    } catch (const cv::Exception&) {
+        return {};
+    }
+}
+
+} // namespace
+
 std::variant<Photo, Unreadable> read_photo(const fs::path& path) {
     const Bytes bytes = read_bytes(path);
     if (is_heic(bytes))
@@ -70,12 +84,7 @@ std::variant<Photo, Unreadable> read_photo(const fs::path& path) {
             "convert it to JPEG or PNG, or choose \"most compatible\" in the phone's camera settings"});
     if (bytes.empty()) return Unreadable{"the file is empty"};
     if (is_cut_off(bytes)) return Unreadable{"the file is cut off"};
-    cv::Mat grey;
-    try {
-        grey = codecs().decode(
-            cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), cv::IMREAD_GRAYSCALE);
-    } catch (const cv::Exception&) {
-    }
+    const cv::Mat grey = decoded_grey(bytes);
     if (grey.empty()) return Unreadable{"not a picture that can be decoded"};
     Photo photo{path.filename().string(), grey.cols, grey.rows, {}};
     photo.grey.reserve(grey.total());

@@ -245,6 +245,21 @@ private:
 
 } // namespace
 
+namespace {
+
+void check_fit(ContourPose& found, const SeenSolid& solid, const Silhouette& silhouette) {
+    const auto share = "only " + format_number(std::round(100 * found.fitting)) + " % of the silhouette's outline ";
+    if (found.fitting < 0.2)
+        throw InputError({silhouette.name, share + "meets that of " + solid.name,
+            "the pose is too far off, or the frame shows something else",
+            "look at the overlay; give a better pose by points"});
+    if (found.fitting < 0.6)
+        found.estimate.warnings.push_back(
+            share + "is that of " + solid.name + ": the rest may have moved, or is hidden");
+}
+
+} // namespace
+
 ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid, const Silhouette& silhouette,
     const ContourPoseOptions& options) {
     const auto start = for_pictures(given, silhouette.mask.width, silhouette.mask.height, silhouette.name);
@@ -255,16 +270,7 @@ ContourPose refine_on_contour(const CameraRecord& given, const SeenSolid& solid,
     refinement.run();
     refinement.tell(out);
     out.overlap_after = refinement.overlap_now();
-    if (out.fitting < 0.2)
-        throw InputError({silhouette.name,
-            "only " + format_number(std::round(100 * out.fitting)) + " % of the silhouette's outline meets that of " +
-                solid.name,
-            "the pose is too far off, or the frame shows something else",
-            "look at the overlay; give a better pose by points"});
-    if (out.fitting < 0.6)
-        out.estimate.warnings.push_back("only " + format_number(std::round(100 * out.fitting)) +
-                                        " % of the silhouette's outline is that of " + solid.name +
-                                        ": the rest may have moved, or is hidden");
+    check_fit(out, solid, silhouette);
     return out;
 }
 

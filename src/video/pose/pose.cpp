@@ -102,6 +102,19 @@ PoseMatrix inverse(const PoseMatrix& m, double* worst) {
     return scale * scaled.inv(cv::DECOMP_SVD) * scale;
 }
 
+namespace {
+
+void check_errors(const PoseEstimate& found, const std::vector<ScenePoint>& points) {
+    if (found.rms < hopeless) return;
+    const auto worst = std::size_t(std::ranges::max_element(found.distances) - found.distances.begin());
+    refuse(points[worst].where,
+        "no pose fits the points: this one is off by " + format_number(std::round(found.distances[worst])) +
+            " pixels, all by " + format_number(std::round(found.rms)) + " on average",
+        "points are mixed up, or their unit or the camera is another one", "draw the points on the picture and look");
+}
+
+} // namespace
+
 PoseEstimate pose_of_points(
     const CameraRecord& camera, const std::vector<ScenePoint>& points, const PointPoseOptions& options) {
     check(camera, points);
@@ -142,14 +155,7 @@ PoseEstimate pose_of_points(
     }
     for (const double d : out.distances) out.rms += d * d / double(points.size());
     out.rms = std::sqrt(out.rms);
-    if (!(out.rms < hopeless)) {
-        const auto worst = std::size_t(std::ranges::max_element(out.distances) - out.distances.begin());
-        refuse(points[worst].where,
-            "no pose fits the points: this one is off by " + format_number(std::round(out.distances[worst])) +
-                " pixels, all by " + format_number(std::round(out.rms)) + " on average",
-            "points are mixed up, or their unit or the camera is another one",
-            "draw the points on the picture and look");
-    }
+    check_errors(out, points);
     const double freedom = 2.0 * double(points.size()) - 6, prior = 2 * prior_points;
     out.noise = std::sqrt((squares + prior * options.noise * options.noise) / (freedom + prior));
     double seen = 0;
