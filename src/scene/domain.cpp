@@ -65,6 +65,15 @@ void check_extent(Declaration& d, const Domain& domain) {
 }
 
 // Leaves the upper half across each axis, whose lower side becomes a mirror.
+// A plane of symmetry.
+Face mirror_across(std::size_t axis, const std::string& where) {
+    Face out;
+    out.axis = static_cast<int>(axis);
+    out.mirror = true;
+    out.where = where;
+    return out;
+}
+
 void halve(Declaration& d, Domain& domain, const std::vector<std::string>& axes) {
     for (const auto& name : axes) {
         const auto k = static_cast<std::size_t>(name[0] - 'x');
@@ -80,10 +89,7 @@ void halve(Declaration& d, Domain& domain, const std::vector<std::string>& axes)
                 "make the two sides alike, or remove the axis"});
         if (!d.parsing() || !alike) continue;
         domain.min[k] += 0.5 * (domain.max[k] - domain.min[k]);
-        low = Face{};
-        low.axis = static_cast<int>(k);
-        low.mirror = true;
-        low.where = high.where;
+        low = mirror_across(k, high.where);
     }
 }
 

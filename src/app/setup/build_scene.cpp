@@ -179,8 +179,9 @@ struct SolidSamples {
     std::size_t thin = 0; // of the whole domain
 };
 
-SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) {
-    SolidSamples out;
+namespace {
+
+void add_walls(const Geometry& geometry, const scene::Bounds& part, SolidSamples& out) {
     auto walls = geometry.walls;
     walls.part = part;
     const auto samples = scene::sample_domain_walls(walls);
@@ -188,6 +189,13 @@ SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) 
         out.rows.push_back(
             {samples.positions[i], samples.normals[i], static_cast<std::int64_t>(samples.ids[i]), samples.faces[i]});
     }
+}
+
+} // namespace
+
+SolidSamples sample_solids(const Geometry& geometry, const scene::Bounds& part) {
+    SolidSamples out;
+    add_walls(geometry, part, out);
     auto next = static_cast<std::int64_t>(scene::count_domain_walls(geometry.walls));
     for (std::size_t b = 0; b < geometry.bodies.size(); ++b) {
         const auto surface = scene::sample_surface(geometry.bodies[b], body_sampling(geometry, b));

@@ -32,17 +32,20 @@ scene::Side side_of(const scene::Face& face) {
     return scene::Side::wall;
 }
 
+bool lies_within(const scene::Bounds& bounds, const scene::Domain& domain) {
+    bool fits = true;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
+        fits = fits && bounds.min[k] >= domain.min[k] && bounds.max[k] <= domain.max[k];
+    }
+    return fits;
+}
+
 // The solid of a shape, cut at the domain where its options state that; `owner` for the note.
 scene::SolidRegion place_shape(
     const scene::Shape& shape, const scene::Domain& domain, const std::string& owner, std::vector<std::string>& notes) {
     scene::SolidRegion whole(shape, domain.dimensions);
     if (!shape.clip) return whole;
-    const auto bounds = whole.bounds();
-    bool fits = true;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
-        fits = fits && bounds.min[k] >= domain.min[k] && bounds.max[k] <= domain.max[k];
-    }
-    if (fits) return whole;
+    if (lies_within(whole.bounds(), domain)) return whole;
     scene::SolidRegion part(scene::clipped(shape, {domain.min, domain.max}), domain.dimensions);
     const std::string unit = domain.dimensions == 3 ? " m3" : " m2";
     auto note = owner + " is cut at the domain (clip): " + short_number(part.volume()) + unit + " are left";

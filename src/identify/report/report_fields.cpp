@@ -93,7 +93,6 @@ std::vector<ReportPicture> write_field_pictures(
     const auto count = std::min(most_fields, numbers.size());
     for (std::size_t k = 0; k < count; ++k) {
         const int number = numbers[count == 1 ? 0 : k * (numbers.size() - 1) / (count - 1)];
-
         out.push_back({experiment.name + file_suffix(number), experiment.name + ", field " + std::to_string(number)});
         write_file_atomically(folder / out.back().file, picture(fields[number], box));
     }

@@ -239,6 +239,21 @@ CameraRecord read_camera(const fs::path& path, const std::string& name) {
         "there are " + join(names, ", "), "give the name of one of them");
 }
 
+namespace {
+
+void write_list(cv::FileStorage& out, const std::vector<CameraRecord>& cameras) {
+    out << "cameras"
+        << "[";
+    for (const auto& camera : cameras) {
+        out << "{";
+        write_one(out, camera);
+        out << "}";
+    }
+    out << "]";
+}
+
+} // namespace
+
 void write_cameras(const fs::path& path, const std::vector<CameraRecord>& cameras) {
     const auto extension = path.extension().string();
     if (extension != ".yaml" && extension != ".yml" && extension != ".json" && extension != ".xml")
@@ -249,14 +264,7 @@ void write_cameras(const fs::path& path, const std::vector<CameraRecord>& camera
     if (cameras.size() == 1) {
         write_one(out, cameras.front());
     } else {
-        out << "cameras"
-            << "[";
-        for (const auto& camera : cameras) {
-            out << "{";
-            write_one(out, camera);
-            out << "}";
-        }
-        out << "]";
+        write_list(out, cameras);
     }
     write_file_atomically(path, out.releaseAndGetString());
 }

@@ -44,6 +44,26 @@ InputError unreadable(const std::filesystem::path& path, int code) {
         "give a video, a folder of pictures, or a pattern such as \"frame_%04d.png\""});
 }
 
+namespace {
+
+void open_decoder(OpenFile& file, const AVCodec* decoder, const std::filesystem::path& path) {
+    file.codec.reset(avcodec_alloc_context3(decoder));
+    avcodec_parameters_to_context(file.codec.get(), file.video().codecpar);
+    file.codec->thread_count = 2;
+    file.codec->pkt_timebase = file.video().time_base;
+    if (const int code = avcodec_open2(file.codec.get(), decoder, nullptr); code < 0) throw unreadable(path, code);
+}
+
+// Where the clip is damaged: frames that the file's index lists beyond those read.
+void count_missing(const OpenFile& file, ClipInfo& info) {
+    const auto indexed = avformat_index_get_entries_count(&file.video());
+    if (!info.damage.empty() && indexed > static_cast<int>(info.stamps.size()))
+        info.damage = "it has " + std::to_string(info.stamps.size()) + " of the " + std::to_string(indexed) +
+                      " frames that its index lists";
+}
+
+} // namespace
+
 OpenFile open_file(const std::filesystem::path& path) {
     capture_log();
     take_complaint();
@@ -58,11 +78,7 @@ OpenFile open_file(const std::filesystem::path& path) {
     if (file.stream < 0 || decoder == nullptr)
         throw InputError({path.string(), "has no video that can be decoded",
             file.stream < 0 ? "" : "FFmpeg lacks its decoder", "convert it to H.264 in MP4"});
-    file.codec.reset(avcodec_alloc_context3(decoder));
-    avcodec_parameters_to_context(file.codec.get(), file.video().codecpar);
-    file.codec->thread_count = 2;
-    file.codec->pkt_timebase = file.video().time_base;
-    if (const int code = avcodec_open2(file.codec.get(), decoder, nullptr); code < 0) throw unreadable(path, code);
+    open_decoder(file, decoder, path);
     return file;
 }
 
@@ -110,12 +126,9 @@ void scan_packets(const OpenFile& file, ClipInfo& info) {
     }
     if (code != AVERROR_EOF) info.damage = error_text(code);
     std::ranges::sort(info.stamps);
-    const auto indexed = avformat_index_get_entries_count(&file.video());
     const auto said = take_complaint();
     if (info.damage.empty() && said.find("partial file") != std::string::npos) info.damage = said;
-    if (!info.damage.empty() && indexed > static_cast<int>(info.stamps.size()))
-        info.damage = "it has " + std::to_string(info.stamps.size()) + " of the " + std::to_string(indexed) +
-                      " frames that its index lists";
+    count_missing(file, info);
 }
 
 ClipInfo describe(const OpenFile& file, const SourceRequest& request) {

@@ -64,13 +64,10 @@ bool near_rim(const Mask& mask, const scene::Vec2& p) {
 
 } // namespace
 
-Silhouette read_silhouette(const std::filesystem::path& path) {
-    auto read = read_photo(path);
-    if (const auto* unreadable = std::get_if<Unreadable>(&read))
-        throw InputError({path.string(), "cannot be read as a mask", unreadable->reason,
-            "give a PNG with a silhouette in black or white"});
-    auto& photo = std::get<Photo>(read);
-    Mask mask{photo.width, photo.height, std::move(photo.grey)};
+namespace {
+
+// True where most pixels of the picture's border are light.
+bool has_light_border(const Mask& mask) {
     int light = 0, total = 0;
     for (int row = 0; row < mask.height; ++row)
         for (int column = 0; column < mask.width; ++column) {
@@ -78,7 +75,19 @@ Silhouette read_silhouette(const std::filesystem::path& path) {
             light += mask.pixels[std::size_t(row) * mask.width + column] > 127;
             ++total;
         }
-    const bool dark_silhouette = 2 * light > total;
+    return 2 * light > total;
+}
+
+} // namespace
+
+Silhouette read_silhouette(const std::filesystem::path& path) {
+    auto read = read_photo(path);
+    if (const auto* unreadable = std::get_if<Unreadable>(&read))
+        throw InputError({path.string(), "cannot be read as a mask", unreadable->reason,
+            "give a PNG with a silhouette in black or white"});
+    auto& photo = std::get<Photo>(read);
+    Mask mask{photo.width, photo.height, std::move(photo.grey)};
+    const bool dark_silhouette = has_light_border(mask);
     for (auto& value : mask.pixels) value = (value > 127) != dark_silhouette ? mask_liquid : mask_background;
     if (mask.area() == 0)
         throw InputError({path.string(), "holds no silhouette", "all of its pixels have one tone",

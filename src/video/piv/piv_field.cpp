@@ -276,6 +276,16 @@ PivField in_si(PivField field, const PivScale& scale, const std::string& where) 
     return field;
 }
 
+namespace {
+
+// Length of the second difference of a vector over three fields [m/s].
+double bend_of(const PivField& before, const PivField& now, const PivField& after, std::size_t i) {
+    const double du = after.u[i] - 2 * now.u[i] + before.u[i], dv = after.v[i] - 2 * now.v[i] + before.v[i];
+    return std::hypot(du, dv);
+}
+
+} // namespace
+
 std::size_t reject_sudden(std::vector<PivField>& frames, double change, double floor) {
     if (frames.size() < 3) return 0;
     std::vector<std::vector<std::uint8_t>> verdicts;
@@ -285,10 +295,9 @@ std::size_t reject_sudden(std::vector<PivField>& frames, double change, double f
         const auto &before = frames[middle - 1], &now = frames[middle], &after = frames[middle + 1];
         auto verdict = frames[f].valid;
         for (std::size_t i = 0; i < verdict.size(); ++i) {
-            if (!verdict[i] || !before.valid[i] || !now.valid[i] || !after.valid[i])
-                continue; // nothing to hold it against
-            const double du = after.u[i] - 2 * now.u[i] + before.u[i], dv = after.v[i] - 2 * now.v[i] + before.v[i];
-            if (std::hypot(du, dv) < change * std::hypot(frames[f].u[i], frames[f].v[i]) + floor) continue;
+            if (!verdict[i] || !before.valid[i] || !now.valid[i] || !after.valid[i]) continue;
+            const double limit = change * std::hypot(frames[f].u[i], frames[f].v[i]) + floor;
+            if (bend_of(before, now, after, i) < limit) continue;
             verdict[i] = 0;
             ++marked;
         }
