@@ -225,6 +225,7 @@ private:
         slip.length = Array<double>("length", places_);
         Kokkos::deep_copy(slip.length, sample_.slip_length);
         slip.body = Array<int>("body", places_);
+        slip.distance = Array<double>("distance", places_);
         each(halo.window(), [&](std::size_t at, const int c[3]) {
             Vec3 x;
             grid.centre(c, x.data());
@@ -235,6 +236,7 @@ private:
                 least = sample_.body[b](x);
                 slip.body(at) = static_cast<int>(b);
             }
+            slip.distance(at) = std::min(least, walls_at(x));
         });
         for (std::size_t a = 0; a < 3; ++a) { // bodies that slip have none
             all_shares[a] = shares[a];
