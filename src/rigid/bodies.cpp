@@ -1,9 +1,9 @@
 #include "rigid/bodies.hpp"
 
+#include "base/text/contract.hpp"
 #include "rigid/contact_features.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 namespace treacle::rigid {
 
@@ -112,7 +112,7 @@ void RigidBodies::fall(double dt) {
 }
 
 void RigidBodies::push(std::span<const double> loads, double dt) {
-    assert(loads.size() == 6 * size());
+    TREACLE_EXPECT(loads.size() == 6 * size());
     std::vector<double> impulses(loads.begin(), loads.end());
     for (std::size_t b = 0; b < size(); ++b) {
         for (std::size_t k = 6 * b; k < 6 * b + 6; ++k) {
@@ -202,7 +202,7 @@ std::vector<double> RigidBodies::state() const {
 }
 
 void RigidBodies::restore(std::span<const double> state) {
-    assert(state.size() == 1 + numbers_per_body * size());
+    TREACLE_EXPECT(state.size() == 1 + numbers_per_body * size());
     time_ = state[0];
     for (std::size_t b = 0; b < size(); ++b) {
         const double* v = &state[1 + numbers_per_body * b];

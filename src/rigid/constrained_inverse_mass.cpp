@@ -1,7 +1,8 @@
 #include "rigid/constrained_inverse_mass.hpp"
 
+#include "base/text/contract.hpp"
+
 #include <algorithm>
-#include <cassert>
 
 namespace treacle::rigid {
 
@@ -102,7 +103,7 @@ std::vector<double> ConstrainedInverseMass::rates(std::span<const double> veloci
 }
 
 std::vector<double> ConstrainedInverseMass::impulses_for(std::span<const double> changes) const {
-    assert(changes.size() == rows_.size());
+    TREACLE_EXPECT(changes.size() == rows_.size());
     const std::size_t n = kept_.size();
     std::vector<double> x(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -128,7 +129,7 @@ std::vector<double> ConstrainedInverseMass::impulses_for(std::span<const double>
 }
 
 std::vector<double> ConstrainedInverseMass::alone(std::span<const double> impulses) const {
-    assert(impulses.size() == 6 * bodies_.size());
+    TREACLE_EXPECT(impulses.size() == 6 * bodies_.size());
     std::vector<double> out(impulses.size(), 0.0);
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
         add(out, 6 * b, bodies_[b].linear * part(impulses, 6 * b));

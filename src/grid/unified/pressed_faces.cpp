@@ -1,5 +1,7 @@
 #include "grid/unified/pressed_faces.hpp"
 
+#include "base/text/contract.hpp"
+
 #include <algorithm>
 
 namespace treacle::grid {
@@ -110,6 +112,7 @@ void PressedFaces::build(ViscousSystem& viscous, PressureSystem& pressure, const
 }
 
 void PressedFaces::flux(std::span<const double> u, std::span<double> y) {
+    TREACLE_EXPECT(u.size() >= std::size_t(faces_) && y.size() < first_.size());
     const auto around = of_faces_->gather(u);
     const auto own = u.first(static_cast<std::size_t>(faces_));
     for (std::size_t r = 0; r < y.size(); ++r) {

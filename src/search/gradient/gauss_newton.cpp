@@ -1,10 +1,10 @@
 #include "search/gradient/gauss_newton.hpp"
 
+#include "base/text/contract.hpp"
 #include "search/gradient/bounded_move.hpp"
 #include "search/problem/huber.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 namespace treacle::search {
@@ -62,7 +62,7 @@ Task<void> GaussNewton::method() {
 Task<void> GaussNewton::gather(std::vector<Point> points) {
     const auto asked = points;
     const std::vector<Value> values = co_await evaluate(std::move(points));
-    assert(told_.size() == asked.size());
+    TREACLE_EXPECT(told_.size() == asked.size());
     numbers_.clear();
     for (std::size_t k = 0; k < asked.size(); ++k) {
         const bool measured = values[k].is_measured() && !told_[k].empty();

@@ -1,5 +1,7 @@
 #include "search/problem/matrix.hpp"
 
+#include "base/text/contract.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -91,6 +93,7 @@ Matrix Matrix::identity(std::size_t n) {
 }
 
 double dot(std::span<const double> a, std::span<const double> b) {
+    TREACLE_EXPECT(a.size() == b.size());
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
     return sum;
@@ -99,12 +102,14 @@ double dot(std::span<const double> a, std::span<const double> b) {
 double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }
 
 std::vector<double> multiply(const Matrix& a, std::span<const double> x) {
+    TREACLE_EXPECT(x.size() == a.columns());
     std::vector<double> out(a.rows());
     for (std::size_t i = 0; i < a.rows(); ++i) out[i] = dot(a.row(i), x);
     return out;
 }
 
 std::vector<double> multiply_transposed(const Matrix& a, std::span<const double> x) {
+    TREACLE_EXPECT(x.size() == a.rows());
     std::vector<double> out(a.columns(), 0.0);
     for (std::size_t i = 0; i < a.rows(); ++i)
         for (std::size_t j = 0; j < a.columns(); ++j) out[j] += a(i, j) * x[i];

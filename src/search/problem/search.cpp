@@ -1,9 +1,9 @@
 #include "search/problem/search.hpp"
 
+#include "base/text/contract.hpp"
 #include "base/text/error.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numeric>
 
@@ -72,7 +72,7 @@ const std::vector<Point>& Search::ask() {
 }
 
 void Search::tell(std::span<const Value> values) {
-    assert(task_ && !stop_ && values.size() == points_.size());
+    TREACLE_EXPECT(task_ && !stop_ && values.size() == points_.size());
     for (std::size_t k = 0; k < values.size(); ++k)
         if (values[k].is_measured() && (!best_ || values[k].value() < best_->value))
             best_ = Best{points_[k], values[k].value(), evaluations_ + static_cast<std::int64_t>(k)};
@@ -87,7 +87,7 @@ void Search::tell(std::span<const Value> values) {
 // The method is suspended until values arrive, or has ended.
 void Search::advance() {
     if (task_->done()) task_->check();
-    assert(stop_ || !points_.empty());
+    TREACLE_ENSURE(stop_ || !points_.empty());
     look_at_limits();
     if (stop_) points_.clear();
 }

@@ -1,13 +1,13 @@
 #include "solve/krylov/complementarity.hpp"
 
 #include "base/text/clock.hpp"
+#include "base/text/contract.hpp"
 #include "base/text/error.hpp"
 #include "solve/krylov/iteration.hpp"
 #include "solve/krylov/vectors.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
 namespace treacle::solve {
@@ -204,7 +204,7 @@ std::span<const double> ComplementaritySolver::gradient() const { return state_-
 ComplementarityReport ComplementaritySolver::solve(Matrix& matrix, std::span<const double> b, std::span<double> x,
     std::span<RowState> states, const ConvergenceTest& test) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
-    assert(b.size() == rows && x.size() == rows && states.size() == rows);
+    TREACLE_EXPECT(b.size() == rows && x.size() == rows && states.size() == rows);
     auto& s = *state_;
     for (auto* vector : {&s.gradient, &s.r, &s.z, &s.p, &s.q, &s.diagonal}) vector->resize(rows);
     s.smoothed.resize(rows);

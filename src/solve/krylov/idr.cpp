@@ -1,6 +1,7 @@
 #include "solve/krylov/idr.hpp"
 
 #include "base/text/clock.hpp"
+#include "base/text/contract.hpp"
 #include "solve/krylov/vectors.hpp"
 
 #include <algorithm>
@@ -207,6 +208,7 @@ void Idr::run_cycle(const Operator& a, std::span<double> x, double residual, dou
 }
 
 SolveReport Idr::solve(const Operator& a, std::span<const double> b, std::span<double> x, double relative) {
+    TREACLE_EXPECT(x.size() == b.size() && relative > 0);
     const auto start = Clock::now();
     SolveReport report;
     const double norm_b = norm(a, b), target = relative * norm_b;

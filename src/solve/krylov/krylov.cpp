@@ -1,13 +1,13 @@
 #include "solve/krylov/krylov.hpp"
 
 #include "base/text/clock.hpp"
+#include "base/text/contract.hpp"
 #include "base/text/error.hpp"
 #include "solve/krylov/petsc_krylov.hpp"
 #include "solve/krylov/vectors.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -214,7 +214,7 @@ KrylovSolver& KrylovSolver::operator=(KrylovSolver&&) noexcept = default;
 SolveReport KrylovSolver::solve(
     Matrix& matrix, std::span<const double> b, std::span<double> x, const ConvergenceTest& test) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
-    assert(b.size() == rows && x.size() == rows);
+    TREACLE_EXPECT(b.size() == rows && x.size() == rows);
     auto& [preconditioner, r, z, p, q, shifted] = *state_;
     for (auto* vector : {&r, &z, &p, &q}) vector->resize(rows);
     Run run{{comm_, matrix, options_, test, preconditioner, b, x}, r, z, p, q};

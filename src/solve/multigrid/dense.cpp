@@ -1,5 +1,7 @@
 #include "solve/multigrid/dense.hpp"
 
+#include "base/text/contract.hpp"
+
 namespace treacle::solve {
 
 namespace {
@@ -46,6 +48,7 @@ void DenseFactor::factor(
 }
 
 void DenseFactor::solve(std::span<const double> r, std::span<double> z) const {
+    TREACLE_EXPECT(r.size() >= n_ && z.size() >= n_);
     for (std::size_t i = 0; i < n_; ++i) {
         double sum = r[i];
         for (std::size_t k = 0; k < i; ++k) sum -= lower_[i * n_ + k] * z[k];

@@ -1,10 +1,10 @@
 #include "solve/multigrid/multilevel.hpp"
 
+#include "base/text/contract.hpp"
 #include "solve/multigrid/coarsen.hpp"
 #include "solve/multigrid/dense.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <deque>
 #include <stdexcept>
 
@@ -181,7 +181,7 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
     auto& finest = state.stages[0].level;
     finest.refer_to(matrix);
     const auto rows = static_cast<std::size_t>(matrix.rows());
-    assert(cells.cells.size() == 3 * rows);
+    TREACLE_EXPECT(cells.cells.size() == 3 * rows);
     finest.keys.resize(rows);
     for (std::size_t i = 0; i < rows; ++i) finest.keys[i] = cell_key(&cells.cells[3 * i]);
     state.dirichlet.clear();

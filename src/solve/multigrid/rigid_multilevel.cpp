@@ -1,11 +1,11 @@
 #include "solve/multigrid/rigid_multilevel.hpp"
 
+#include "base/text/contract.hpp"
 #include "kokkos/cells.hpp"
 #include "solve/multigrid/dense.hpp"
 #include "solve/multigrid/rigid_coarsen.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <deque>
 #include <stdexcept>
 
@@ -71,7 +71,7 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     auto& links = stages[0].links;
     level.refer_to(matrix);
     const auto n = static_cast<std::size_t>(matrix.rows());
-    assert(rows.cells.size() == 3 * n && rows.places.size() == 3 * n && rows.axes.size() == n);
+    TREACLE_EXPECT(rows.cells.size() == 3 * n && rows.places.size() == 3 * n && rows.axes.size() == n);
     level.keys.resize(n);
     const int side = matrix.global_rows() < options->small_rows ? options->small_aggregate_width : options->box;
     for (std::size_t i = 0; i < n; ++i) {

@@ -1,9 +1,9 @@
 #include "solve/rows/matrix.hpp"
 
+#include "base/text/contract.hpp"
 #include "solve/rows/petsc.hpp"
 #include "solve/rows/sparse_dot.hpp"
 
-#include <cassert>
 #include <stdexcept>
 #include <string>
 
@@ -144,7 +144,7 @@ Matrix::Matrix(Matrix&&) noexcept = default;
 Matrix& Matrix::operator=(Matrix&&) noexcept = default;
 
 void Matrix::multiply(std::span<const double> x, std::span<double> y) const {
-    assert(x.size() == static_cast<std::size_t>(rows_) && y.size() == x.size());
+    TREACLE_EXPECT(x.size() == static_cast<std::size_t>(rows_) && y.size() == x.size());
     const CsrBlocks& a = blocks_;
     if (a.halo) a.halo->start(x);
     for (Index i = 0; i < rows_; ++i) {

@@ -1,5 +1,6 @@
 #include "video/mask/contour.hpp"
 
+#include "base/text/contract.hpp"
 #include "video/picture/photo.hpp"
 
 #include "base/text/error.hpp"
@@ -123,6 +124,7 @@ std::vector<ContourPoint> find_contour(const Mask& mask, const ContourOptions& o
 }
 
 double overlap(const Mask& a, const Mask& b) {
+    TREACLE_EXPECT(a.width == b.width && a.height == b.height);
     std::size_t both = 0, any = 0;
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         both += a.pixels[i] && b.pixels[i];
