@@ -31,11 +31,23 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
     Kokkos::deep_copy(particle_mass_, setup.density * particle_volume(grid_));
 }
 
+namespace {
+// Densities of the first frame: later ones have those that the position correction measures.
+void fill_rest_densities(const GridParticles& particles, const Array<double>& mass, double volume) {
+    const auto density = particles.density();
+    const auto liquid = particles.liquid();
+    Kokkos::parallel_for(
+        "treacle::rest_densities", particles.store.owned(),
+        KOKKOS_LAMBDA(int i) { density(i) = mass(liquid(i)) / volume; });
+}
+} // namespace
+
 void GridStep::start() {
     repartition();
     place_particles();
     if (before_ > 0) return;
     begin_velocities(particles_, 0);
+    fill_rest_densities(particles_, particle_mass_, particle_volume(grid_));
     end_motion_.start(middle_motion());
 }
 
