@@ -130,7 +130,7 @@ video::Calibration calibrate_lens(const CalibrateRequest& request, Log& log) {
     video::CalibrationOptions options;
     options.coefficients = request.coefficients;
     options.outlier_factor = request.outliers;
-    const auto calibration = video::calibrate(board, options, std::move(pictures));
+    auto calibration = video::calibrate(board, options, std::move(pictures));
     print_pictures(log, calibration);
     log.line(count_of_used(calibration, options));
     print_parameters(log, calibration);
