@@ -5,9 +5,9 @@
 
 namespace treacle {
 
-void contract_broken(const char* kind, const char* condition, const std::source_location& where) {
-    throw std::logic_error(std::string(where.file_name()) + ":" + std::to_string(where.line()) + ": " +
-                           where.function_name() + " " + kind + " " + condition);
+void contract_broken(const char* kind, const char* condition, const char* file, int line, const char* function) {
+    throw std::logic_error(
+        std::string(file) + ":" + std::to_string(line) + ": " + function + " " + kind + " " + condition);
 }
 
 } // namespace treacle
