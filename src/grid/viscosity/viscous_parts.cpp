@@ -122,18 +122,18 @@ struct WallLoop {
 struct TractionLoop {
     ViscousFaces faces;
     Inner inner;
-    FaceField open, grip_open;
-    Array<double> wet, fluid, viscosity, length;
+    FaceField open;
+    Array<double> wet, fluid, viscosity;
     Array<double> distance; // none: no pressure
     SlipSolids slip;
     MacGrid grid;
-    double area, min_liquid_fraction, no_penetration_layer, dx; // [m2], of a 2D scene [m]; [1]; [m]; [m]
+    double area, min_liquid_fraction, no_penetration_layer; // [m2], of a 2D scene [m]; [1]; [m]
 
     // Out of the solid, in faces' areas.
     KOKKOS_INLINE_FUNCTION double surface(std::ptrdiff_t i, double n[3]) const {
         for (int k = 0; k < faces.dimensions; ++k) {
             const auto j = i + faces.stride[k];
-            n[k] = (open.axis[k](j) - open.axis[k](i)) - (grip_open.axis[k](j) - grip_open.axis[k](i));
+            n[k] = (open.axis[k](j) - open.axis[k](i)) - (slip.grip.open.axis[k](j) - slip.grip.open.axis[k](i));
         }
         return size_of(n);
     }
@@ -155,7 +155,7 @@ struct TractionLoop {
         }
     }
     KOKKOS_INLINE_FUNCTION double along(std::ptrdiff_t i, double beyond) const {
-        return 1 / (math::max(length(i), no_penetration_layer) + beyond);
+        return 1 / (math::max(slip.length(i), no_penetration_layer) + beyond);
     }
     // A surface of that size along the faces across axis k, so many widths above the lower one.
     KOKKOS_INLINE_FUNCTION void hold(std::ptrdiff_t i, int k, double at, double size) const {
@@ -171,7 +171,7 @@ struct TractionLoop {
             grid.face(k, c, x);
             for (int side = 0; side < 2; ++side) {
                 if (!slip.slides[2 * k + side]) continue;
-                const double at = (slip.side[2 * k + side] - x[k]) / dx, thickness = side == 0 ? 1 - at : at;
+                const double at = (slip.side[2 * k + side] - x[k]) / grid.dx, thickness = side == 0 ? 1 - at : at;
                 if (!(thickness > min_liquid_fraction) || !(thickness < 1 + min_liquid_fraction)) continue;
                 const double size = open.axis[k](side == 0 ? i + faces.stride[k] : i);
                 n[k] -= side == 0 ? size : -size;
@@ -181,15 +181,15 @@ struct TractionLoop {
         const double size = size_of(n);
         for (int k = 0; k < faces.dimensions; ++k) {
             if (!(size > min_liquid_fraction) || !(math::fabs(n[k]) > aligned * size)) continue;
-            if (holds) hold(i, k, 0.5 - (n[k] > 0 ? 1 : -1) * slip.distance(i) / dx, math::fabs(n[k]));
+            if (holds) hold(i, k, 0.5 - (n[k] > 0 ? 1 : -1) * slip.distance(i) / grid.dx, math::fabs(n[k]));
             n[k] = 0;
         }
     }
     // Across what is left of the areas.
     KOKKOS_INLINE_FUNCTION void resist_rest(std::ptrdiff_t i, const double n[3]) const {
         const double size = size_of(n);
-        const bool in_liquid = distance.extent(0) > 0 && distance(i) < 0;
-        if (size > min_liquid_fraction && !pressure_faces) add(i, n, size, 1 / no_penetration_layer, 0);
+        const bool has_pressure = distance.extent(0) > 0 && distance(i) < 0;
+        if (size > min_liquid_fraction && !has_pressure) add(i, n, size, 1 / no_penetration_layer, 0);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int at) const {
         int c[3];
@@ -199,7 +199,7 @@ struct TractionLoop {
         const bool carries = fluid(i) >= 0.5;
         double n[3] = {0, 0, 0};
         double size = surface(i, n);
-        if (size > 0 && carries) add(i, n, size, 0, along(i, (fluid(i) - 0.5) * dx));
+        if (size > 0 && carries) add(i, n, size, 0, along(i, (fluid(i) - 0.5) * grid.dx));
         take_sides(i, c, true, n);
         if (!carries) return;
         resist_rest(i, n);
@@ -213,7 +213,7 @@ struct TractionLoop {
                     here = here && (l > k ? n[l] * n[l] <= n[k] * n[k] : l == k || n[l] * n[l] < n[k] * n[k]);
                 }
                 if (!here) continue;
-                add(i, n, size, 0, along(i, (fluid(j) + 0.5) * dx));
+                add(i, n, size, 0, along(i, (fluid(j) + 0.5) * grid.dx));
                 int of[3] = {c[0], c[1], c[2]};
                 of[k] -= side;
                 take_sides(j, of, false, n);
@@ -282,10 +282,9 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
                 f.face_liquid_clipped.axis[a], faces_.slip_interpolation_weight.axis[a], faces_.stride[a], inner});
     }
     Kokkos::parallel_for("treacle::weigh_slip", second.count(),
-        TractionLoop{faces_, second, f.open, scene.slip->grip.open, f.cell_liquid_clipped, f.cell_fluid,
-            scene.viscosity.cell, scene.slip->length, scene.distance ? *scene.distance : Array<double>(), *scene.slip,
-            scene.grid, faces_.dimensions == 3 ? dx * dx : dx, options.min_liquid_fraction,
-            options.no_penetration_layer * dx, dx});
+        TractionLoop{faces_, second, f.open, f.cell_liquid_clipped, f.cell_fluid, scene.viscosity.cell,
+            scene.distance ? *scene.distance : Array<double>(), *scene.slip, scene.grid,
+            faces_.dimensions == 3 ? dx * dx : dx, options.min_liquid_fraction, options.no_penetration_layer * dx});
 }
 
 void ViscousParts::classify_faces(const ViscousScene& scene, const ViscosityOptions& options, double dt) {

@@ -233,5 +233,24 @@ TEST_F(GridViscosity, slip_walls_hold_liquid_off) {
     }
 }
 
+TEST_F(GridViscosity, round_slip_walls_hold_liquid_off) {
+    // A cavity whose surface is oblique to the faces nearly everywhere. Without pressures nothing else holds the liquid.
+    for (const double centre : {0.5, 0.5 + 0.3 / 32}) {
+        ViscousSample sample;
+        sample.cells = 32;
+        sample.dimensions = 2;
+        sample.solid = [=](const Vec3& x) { return 0.35 - std::hypot(x[0] - centre, x[1] - centre); };
+        sample.solid_slips = true;
+        sample.viscosity = [](const Vec3&) { return 1e5; };
+        ViscousCase run(comm, sample);
+        run.set_velocity([&](int a, const Vec3&) { return a == 1 ? 1.0 : 0.0; });
+        run.solve(1.0);
+        const double most = run.most([&](int a, std::size_t at, const Vec3&) {
+            return run.fractions.face_liquid_clipped.axis[a](at) > 0.5 ? std::fabs(run.velocity.axis[a](at)) : 0.0;
+        });
+        EXPECT_LT(most, 0.05) << centre;
+    }
+}
+
 } // namespace
 } // namespace treacle::grid::viscosity_test
