@@ -222,7 +222,7 @@ KOKKOS_INLINE_FUNCTION int compress_store(unsigned bits, SimdInt x, int* to) {
 #endif
 }
 
-// The same of numbers and their columns.
+// Numbers of a mask's lanes and their columns, one behind the other; returns how many.
 KOKKOS_INLINE_FUNCTION int compress_store(
     unsigned bits, SimdInt column, SimdDouble value, int* to_column, double* to_value) {
 #if defined(TREACLE_AVX512)

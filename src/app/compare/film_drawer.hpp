@@ -21,7 +21,7 @@ public:
 
     // Liquid at the time of a mask and a little later; frame: index in frames(), < its size.
     identify::SimulatedFrame draw(std::size_t frame);
-    // The same of the liquid's mirror image across the plane of the experiment's occupancy; solids stay as they are.
+    // Mirror image of that liquid across the plane of the experiment's occupancy; solids stay as they are.
     identify::SimulatedFrame draw_mirrored(std::size_t frame);
 
 private:

@@ -29,7 +29,7 @@ void end_velocities(const MacGrid& grid, const CellBox& window, const FaceField&
 // As at rest, of the owned particles from `begin` on: end_velocity() is velocity().
 void begin_velocities(const GridParticles& particles, int begin);
 
-// The same of the momentum and the angular momentum of all of the liquid, and of the velocities of dynamic bodies.
+// Momentum and angular momentum of all of the liquid, and velocities of dynamic bodies, at the end of a step.
 // Their jump is computed for liquid and bodies together, so that their momenta of the end add up to what those of the
 // middle do.
 class EndMotion {

@@ -13,7 +13,7 @@ struct BoardPicturesOptions {
 };
 
 // Searches the board in each picture, and in frames of videos, of which those are taken that show it at another place.
-// What cannot be read, shows no board or is blurred is named with its reason; it stops nothing. InputError when the
+// Pictures that cannot be read, show no board or are blurred are named with the reason; they stop nothing. InputError when the
 // board of most of the first pictures has another size than the one given, with the size that fits; for a HEIC picture.
 std::vector<BoardPicture> find_boards(
     const std::vector<std::filesystem::path>& paths, const Board& board, const BoardPicturesOptions& options);

@@ -11,8 +11,7 @@ namespace treacle::sph {
 
 namespace {
 constexpr double spacings_across = 1.7; // of the finest cells
-// Where the viscosity reaches less far than that in a step, in squares of a cell's width, coarser cells have no
-// benefit.
+// Squares of a cell's width that the viscosity must cover in a step for coarser cells to have a benefit.
 constexpr double coarsening_limit = 2;
 constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
 // Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.

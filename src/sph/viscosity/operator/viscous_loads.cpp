@@ -26,7 +26,7 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     }
 };
 
-// How hard the no-slip stresses hold each solid, to precondition.
+// Stiffness of the no-slip stresses against the motion of each solid, to precondition.
 template <class Kernel>
 struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
     using Base = ViscousLoop<Kernel>;

@@ -45,12 +45,12 @@ public:
     void thin(const ViscousContext& parts, const Array<flow::ViscosityModel>& curves) const;
 
     // (S4e) Tension s of stretched liquid (augmented Lagrangian, Fortin & Glowinski 1983): s + zeta tr D of the last
-    // multiply, never negative.
+    // multiply that the tension acted in; 0 of particles that are no longer stretched.
     // Pressures hold no liquid together, since they are not negative either.
     void keep_tension(const LiquidParticles& liquid) const;
     // No particle is under tension, as at the start of a run.
     void clear_tension(const LiquidParticles& liquid) const;
-    // Whether products have the tension's force, which does not depend on u.
+    // Force of the tension in products, which does not depend on u; with it they measure the expansion.
     void let_tension_act(bool acts) { tension_acts_ = acts && tension_ >= 0; }
 
     // After prepare(): B_i^+ of the owned particles, whose elements are those of sph::Symmetric; dt/m V mu of owned and ghost

@@ -44,7 +44,7 @@ private:
         for (int k = 0; k < 3; ++k) fit.times(n[k], g[k]);
         double s[3][3];
         strain(spanned, g, s);
-        if (rated || bulk.size() > 0) rate(i) = math::sqrt(2 * contract(s));
+        if (rated || tension.size() > 0) rate(i) = math::sqrt(2 * contract(s));
         if (bulk.size() > 0) resist_expansion(i, spanned, s);
         const double c = share(i);
         for (int k = 0; k < 3; ++k) {
@@ -58,7 +58,7 @@ private:
     // S + (zeta tr S + s)/(2 mu) within the span.
     KOKKOS_INLINE_FUNCTION void resist_expansion(int i, const Symmetric& span, double s[3][3]) const {
         const double trace = s[0][0] + s[1][1] + s[2][2];
-        expansion(i) = trace;
+        if (tension.size() > 0) expansion(i) = trace;
         if (bulk(i) == 0) return;
         const double more = 0.5 * (static_cast<double>(bulk(i)) * trace + (tension.size() > 0 ? tension(i) : 0));
         const double within[3][3] = {

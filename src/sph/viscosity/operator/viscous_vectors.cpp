@@ -4,8 +4,8 @@
 
 namespace treacle::sph {
 
-// Of a loop that stores as well, each particle adds to the sum once: the compiler assumes that the stores change it,
-// and goes to memory for every addition.
+// Loops that store as well add to the sum once a particle: the compiler assumes that the stores change it, and goes to
+// memory for every addition.
 double sum_squares(const Array3& a, int n, const RelativeDensity& weight) {
     double sum = 0;
     Kokkos::parallel_reduce(
