@@ -1,6 +1,7 @@
 #include "app/command_line.hpp"
 #include "app/study/run_collectively.hpp"
 #include "app/study_commands.hpp"
+#include "base/text/floating_point_traps.hpp"
 #include "kokkos/runtime.hpp"
 #include "solve/rows/runtime.hpp"
 
@@ -37,6 +38,9 @@ ExitCode run_program(const Comm& comm, const std::vector<std::string>& arguments
     const auto code = app::run_collectively(comm, [&] {
         line = app::read_command_line(arguments);
         petsc.emplace(line.petsc);
+#ifdef TREACLE_TRAP
+        trap_non_finite(); // of the computation alone: libraries probe the arithmetic when they start
+#endif
         return ExitCode::ok;
     });
     if (code != ExitCode::ok) return code;
