@@ -42,7 +42,8 @@ struct StiffnessLoop {
 };
 } // namespace
 
-void VolumeStresses::find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face) {
+void VolumeStresses::find(
+    Pressure& pressure, const ViscousFaces& viscous, const rigid::RigidBodies& bodies, CellHalo& halo, double face) {
     const auto& system = pressure.system();
     const auto rows = static_cast<std::size_t>(system.rows());
     held_.faces = system.faces();
@@ -53,7 +54,9 @@ void VolumeStresses::find(Pressure& pressure, const ViscousFaces& viscous, CellH
     reserve(by_body_, rows);
     const auto by_body = Kokkos::create_mirror_view(by_body_);
     Kokkos::deep_copy(by_body, 0);
-    for (const auto& entry : pressure.coupling().entries()) by_body(static_cast<std::size_t>(entry.row)) = 1;
+    for (const auto& entry : pressure.coupling().entries()) {
+        if (bodies.dynamic(static_cast<std::size_t>(entry.body))) by_body(static_cast<std::size_t>(entry.row)) = 1;
+    }
     Kokkos::deep_copy(by_body_, by_body);
     Kokkos::parallel_for("treacle::volume_stiffness", system.rows(),
         StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face, exact_share(held_.faces.dimensions),
