@@ -90,7 +90,7 @@ Stokes::Stokes(const Comm& comm, const StokesOptions& options)
 void Stokes::build(const Parts& parts, const FaceField& velocity, const rigid::RigidBodies& bodies) {
     const auto& grid = parts.scene.grid;
     const double face = std::pow(grid.dx, grid.dimensions - 1);
-    volumes_.find(parts.pressure, parts.viscous.places(), parts.scene.halo, face);
+    volumes_.find(parts.pressure, parts.viscous.places(), bodies, parts.scene.halo, face);
     auto scene = parts.scene;
     scene.volumes = &volumes_.held();
     parts.viscous.build(scene, velocity, bodies, parts.dt);

@@ -10,18 +10,19 @@ namespace {
 // 4 d/((2 d + 2) eta) of it in d dimensions.
 double exact_share(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
 
-// The inverse of the sum of area^2 / (resistance of the face's own stresses) of each cell with a pressure. Nothing beside faces
-// that no stress holds, and where the cell itself has no stress: mechanisms (mechanisms.hpp) stay what they are.
+// The inverse of the sum of area^2 / (resistance of the face's own stresses) of each cell with a pressure; none beside
+// faces that no stress resists, through which liquid leaves against its mass alone. The matrix holds none of cells without
+// a stress of their own: mechanisms (mechanisms.hpp) stay what they are.
 struct StiffnessLoop {
     ViscousFaces viscous;
     PressureFaces pressure;
     Array<int> cell_of, by_body;
-    double face, factor; // [m2], of a 2D scene [m]
+    double face, factor;
     Array<double> by_row, held_by_row, held;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         double sum = 0;
-        bool stress_free = !(viscous.normal(cell_of(r)) > 0);
+        bool free_face = false;
         for (int a = 0; a < pressure.dimensions; ++a) {
             for (int side = 0; side < 2; ++side) {
                 const auto i = cell_of(r) + side * pressure.stride[a];
@@ -30,11 +31,13 @@ struct StiffnessLoop {
                 double stress = 0;
                 viscous.each_stress(a, i, viscous.normal, viscous.shear, [&](double w) { stress += w; });
                 const double share = viscous.share.axis[a](i), resistance = share * share * stress;
-                stress_free = stress_free || !(resistance > 0);
+                free_face = free_face || !(resistance > 0);
                 if (resistance > 0) sum += area * area / resistance;
             }
         }
-        const double own = stress_free || !(sum > 0) ? 0.0 : factor / sum, more = by_body(r) != 0 ? 0.0 : own;
+        const bool stress_free = !(viscous.normal(cell_of(r)) > 0);
+        const double own = free_face || !(sum > 0) ? 0.0 : factor / sum,
+                     more = stress_free || by_body(r) != 0 ? 0.0 : own;
         by_row(r) = own + more;
         held_by_row(r) = more;
         held(cell_of(r)) = face * face * more;
@@ -42,7 +45,8 @@ struct StiffnessLoop {
 };
 } // namespace
 
-void VolumeStresses::find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face) {
+void VolumeStresses::find(
+    Pressure& pressure, const ViscousFaces& viscous, const rigid::RigidBodies& bodies, CellHalo& halo, double face) {
     const auto& system = pressure.system();
     const auto rows = static_cast<std::size_t>(system.rows());
     held_.faces = system.faces();
@@ -53,7 +57,9 @@ void VolumeStresses::find(Pressure& pressure, const ViscousFaces& viscous, CellH
     reserve(by_body_, rows);
     const auto by_body = Kokkos::create_mirror_view(by_body_);
     Kokkos::deep_copy(by_body, 0);
-    for (const auto& entry : pressure.coupling().entries()) by_body(static_cast<std::size_t>(entry.row)) = 1;
+    for (const auto& entry : pressure.coupling().entries()) {
+        if (bodies.dynamic(static_cast<std::size_t>(entry.body))) by_body(static_cast<std::size_t>(entry.row)) = 1;
+    }
     Kokkos::deep_copy(by_body_, by_body);
     Kokkos::parallel_for("treacle::volume_stiffness", system.rows(),
         StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face, exact_share(held_.faces.dimensions),

@@ -1,6 +1,7 @@
 #pragma once
 #include "grid/mac/pressure_faces.hpp"
 #include "mpi/cell_halo.hpp"
+#include "rigid/bodies.hpp"
 
 namespace treacle::grid {
 
@@ -44,7 +45,8 @@ struct VolumeStiffness {
 class VolumeStresses {
 public:
     // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a 2D scene [m].
-    void find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face);
+    void find(
+        Pressure& pressure, const ViscousFaces& viscous, const rigid::RigidBodies& bodies, CellHalo& halo, double face);
 
     const VolumeStiffness& held() const { return held_; } // for kernels, as of find()
     // [rows of the pressure] pressure by flux, the part that the matrix holds included [Pa s/m3].

@@ -18,10 +18,10 @@ rigid::BodySetup body_of(scene::BodyKind kind, const scene::Shape& shape, const 
     return body;
 }
 
-scene::Shape drum(double radius) {
+scene::Shape drum(const Vec3& centre, double radius) {
     scene::Shape shape;
     shape.kind = scene::ShapeKind::sphere;
-    shape.centre = {0.5, 0.5, 0};
+    shape.centre = centre;
     shape.radius = radius;
     shape.inverted = true;
     return shape;
@@ -60,16 +60,17 @@ TEST(FreeSlip, LetsABlockSlideDownARamp) {
     }
 }
 
-// A free-slip drum of radius 0.4 around (0.5, 0.5), full of liquid.
-StepSample drum_of(double viscosity, scene::BodyKind kind, double angular_velocity) {
+// A free-slip drum of radius 0.4, full of liquid, around (0.5, 0.5) + (1, 0.6) shift.
+StepSample drum_of(double viscosity, scene::BodyKind kind, double angular_velocity, double shift = 0) {
     auto sample = sample_of(40, 2);
     sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
     sample.setup.viscosity = viscosity;
-    auto body = body_of(kind, drum(0.4), {0.5, 0.5, 0});
+    const Vec3 centre{0.5 + shift, 0.5 + 0.6 * shift, 0};
+    auto body = body_of(kind, drum(centre, 0.4), centre);
     body.angular_velocity = {0, 0, angular_velocity};
     sample.setup.rigid.bodies = {body};
     sample.setup.slip = {{scene::Slip::free_slip}, {0}};
-    sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) - 0.4; };
+    sample.liquid = [centre](const Vec3& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1]) - 0.4; };
     return sample;
 }
 
@@ -86,6 +87,22 @@ TEST(FreeSlip, DrumsTurnAroundLiquidAtRest) {
         const auto totals = step->totals();
         EXPECT_LT(std::fabs(spin_of(totals)), 0.01 * 12) << viscosity;
         EXPECT_LT(totals.kinetic_energy, 1e-3 * 0.25 * totals.mass * 0.16 * 144) << viscosity;
+    }
+}
+
+// Wherever the cells cut the drum, moving or at rest: the pressure's inverse of every cut cell has the viscosity.
+TEST(FreeSlip, DrumsTakeFewIterations) {
+    for (const auto kind : {scene::BodyKind::kinematic, scene::BodyKind::fixed}) {
+        for (const double place : {0.1, 0.25, 0.4}) {
+            for (const double viscosity : {1e3, 1e5, 1e6}) {
+                const double speed = kind == scene::BodyKind::kinematic ? 12 : 0;
+                auto sample = drum_of(viscosity, kind, speed, 0.025 * place);
+                sample.velocity = [](const Vec3& x) { return Vec3{std::sin(9 * x[1]), std::sin(9 * x[0]), 0}; };
+                const auto report = started(Comm::world(), sample)->advance(0.01);
+                EXPECT_GT(report.stokes.solve.iterations, 0);
+                EXPECT_LE(report.stokes.solve.iterations, 50) << viscosity << " Pa s, " << place << " of a cell";
+            }
+        }
     }
 }
 
