@@ -162,8 +162,6 @@ def hits(context):
         first = -0.1 * 1.5 * mass + 5 * inertia
         if not exchanged > 0.02 * 1.5 * mass:
             return Figure(f"{viscosity:g} Pa s, {slip}: the body has met nothing", False)
-        if __import__('os').environ.get('DBG'):
-            print(dimensions, slip, viscosity, step, ranks, abs(total - numpy.array([[1.5 * mass], [0], [0]])).max() / exchanged, abs(about - first).max() / abs(first), flush=True)
         linear = max(linear, abs(total - numpy.array([[1.5 * mass], [0], [0]])).max() / exchanged)
         angular = max(angular, abs(about - first).max() / abs(first))
     return Figure(f"linear {linear:.1e} of what is exchanged, angular {100 * angular:.2f} %", linear <= 1e-10 and angular <= 0.01)
