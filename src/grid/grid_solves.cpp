@@ -81,7 +81,8 @@ ViscousScene GridStep::viscous_scene() {
     }
     find_viscosities();
     return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-        slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip()};
+        slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip(),
+        (slides ? slip_.no_slip() : solids_).sampler()};
 }
 
 SlipAreas GridStep::slip_areas() const {

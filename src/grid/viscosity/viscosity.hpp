@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/mac/fine_nodes.hpp"
 #include "grid/mac/mac_grid.hpp"
 #include "grid/viscosity/viscosity_options.hpp"
 #include "grid/viscosity/volume_stiffness.hpp"
@@ -48,6 +49,7 @@ struct ViscousScene {
     // within to the normal velocity of what it slides along.
     const Array<double>* distance = nullptr;
     const RestingSolids* resting = nullptr;   // those that grip; then there are loads on all solids at rest
+    DistanceSampler no_slip{};                // of the solids that grip; empty: V2 goes by the volume fractions alone
     const VolumeStiffness* volumes = nullptr; // adds to the matrix where the pressure acts in the same solve
 };
 

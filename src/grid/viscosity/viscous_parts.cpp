@@ -9,6 +9,10 @@ namespace {
 constexpr double aligned =
     1 - 1e-8; // cosine between the normal of a surface and an axis from which it is along the faces
 
+// Most that a plane wall leaves of a cube whose middle is 0.4 of its width within it, or more; and what counts as more than
+// a plane leaves: walls of four cells radius leave so much where the middle is 0.02 within [1].
+constexpr double most_beyond_half_depth = 0.1, curved_excess = 1e-3;
+
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
     Array<double> viscosity, wet, fluid, out;
@@ -45,6 +49,18 @@ struct RoleLoop {
     double min_liquid_fraction, min_fluid_fraction, mass;
     PressureFaces pressure_faces;
     bool with_pressure;
+    DistanceSampler no_slip;
+
+    // True where the middle of the face is in a solid, and the liquid beside it is more than a plane wall at that depth would
+    // leave: the solid has an edge there.
+    KOKKOS_INLINE_FUNCTION bool is_beside_edge(std::ptrdiff_t i, const int c[3]) const {
+        if (no_slip.values.extent(0) == 0) return false;
+        int node[3] = {0, 0, 0};
+        for (int k = 0; k < no_slip.nodes.dimensions; ++k) node[k] = 2 * c[k] + (k == axis ? 0 : 1);
+        const double distance = no_slip.values(no_slip.nodes.index(node[0], node[1], node[2]));
+        const double by_plane = math::max(0.5 + distance / (2 * no_slip.nodes.width), most_beyond_half_depth);
+        return no_slip.nodes.is_inside(distance) && fluid(i) > by_plane + curved_excess;
+    }
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
@@ -57,7 +73,7 @@ struct RoleLoop {
         const bool has_liquid = wet(i) > min_liquid_fraction;
         int role = inactive_face;
         if (has_liquid || stressed || push > 0)
-            role = fluid(i) < min_fluid_fraction || tight ? prescribed_face : unknown_face;
+            role = fluid(i) < min_fluid_fraction || tight || is_beside_edge(i, c) ? prescribed_face : unknown_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
         faces.share.axis[axis](i) = role == unknown_face ? fluid(i) : 0.0;
@@ -302,7 +318,8 @@ void ViscousParts::classify_faces(const ViscousScene& scene, const ViscosityOpti
             RoleLoop{faces_, inner, a, f.face_liquid_clipped.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
                 grip.edge_fluid, options.min_liquid_fraction, options.min_fluid_fraction,
                 scene.density * cube_volume(scene.grid) / dt,
-                scene.pressure_faces ? *scene.pressure_faces : PressureFaces(), scene.pressure_faces != nullptr});
+                scene.pressure_faces ? *scene.pressure_faces : PressureFaces(), scene.pressure_faces != nullptr,
+                scene.no_slip});
     }
 }
 

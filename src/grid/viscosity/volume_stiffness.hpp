@@ -40,8 +40,8 @@ struct VolumeStiffness {
 };
 
 // Pressure that a flux into a cell makes against the viscosity alone, by the resistance of its faces' own stresses; and
-// as much again for the matrix to hold (src/grid/theory.md, U). Cells beside bodies that move have no such part, since
-// the motion of the body belongs to their flux.
+// as much again for the matrix to hold (src/grid/theory.md, U). Cells beside dynamic bodies have no such part, since
+// the unknown motion of the body belongs to their flux.
 class VolumeStresses {
 public:
     // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a 2D scene [m].

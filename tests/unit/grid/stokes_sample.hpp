@@ -126,8 +126,15 @@ private:
             sample.surface_tension};
     }
     ViscousScene viscous_scene() {
-        return {grid, halo, fractions, shares, viscosities, sample.density, sample.solid_slips ? &slip : nullptr,
-            &pressed_};
+        return {.grid = grid,
+            .halo = halo,
+            .fractions = fractions,
+            .shares = shares,
+            .viscosity = viscosities,
+            .density = sample.density,
+            .slip = sample.solid_slips ? &slip : nullptr,
+            .pressure_faces = &pressed_,
+            .no_slip = no_slip};
     }
 
     PressureFaces pressed_;

@@ -60,8 +60,14 @@ public:
     }
 
     ViscosityReport solve(double dt) {
-        return viscosity.solve(
-            {grid, halo, fractions, shares, viscosities, sample_.density, sample_.solid_slips ? &slip : nullptr},
+        return viscosity.solve({.grid = grid,
+                                   .halo = halo,
+                                   .fractions = fractions,
+                                   .shares = shares,
+                                   .viscosity = viscosities,
+                                   .density = sample_.density,
+                                   .slip = sample_.solid_slips ? &slip : nullptr,
+                                   .no_slip = no_slip},
             velocity, bodies, dt);
     }
 
@@ -124,6 +130,7 @@ public:
     std::array<BodyShares, 3> shares, all_shares; // of bodies that grip; with slip, of all
     Viscosities viscosities;
     SlipSolids slip;
+    DistanceSampler no_slip; // of the solids that grip
     FaceField velocity;
     Viscosity viscosity;
 
@@ -200,6 +207,7 @@ private:
         Array<int> number("number", nodes.size()), moves("moves", sample_.body.size());
         for (std::size_t k = 0; k < nodes.size(); ++k) number(k) = static_cast<int>(numbers(k));
         for (std::size_t b = 0; b < sample_.body.size(); ++b) moves(b) = 1;
+        no_slip = {nodes, solid};
         FractionBuilder builder;
         builder.build(nodes, solid, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, fractions);
         builder.build_body_shares(nodes, solid, number, moves, shares.data());
@@ -220,8 +228,8 @@ private:
     void fill_slip() {
         const FineNodes nodes(grid, halo.window());
         FractionBuilder builder;
-        builder.build(nodes, at_nodes(nodes, [&](const Vec3& x) { return walls_at(x); }),
-            at_nodes(nodes, sample_.liquid), FractionMethod::consistent, slip.grip);
+        no_slip = {nodes, at_nodes(nodes, [&](const Vec3& x) { return walls_at(x); })};
+        builder.build(nodes, no_slip.values, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, slip.grip);
         slip.length = Array<double>("length", places_);
         Kokkos::deep_copy(slip.length, sample_.slip_length);
         slip.body = Array<int>("body", places_);
