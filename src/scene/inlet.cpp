@@ -43,7 +43,7 @@ void declare_rectangle(Declaration& d, Inlet& inlet) {
 } // namespace
 
 void Inlet::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages call it.");
     d.text("liquid", liquid, "Name of the liquid that flows in; may be left out when there is one only.");
     d.one_of<InletShape>(shape,
@@ -66,7 +66,7 @@ void Inlet::declare(Declaration& d) {
 }
 
 void Outlet::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages call it.");
     const auto box = [this](Declaration& m) {
         m.vec3("min", min, unit::length, "Lower corner.");

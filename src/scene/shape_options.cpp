@@ -118,7 +118,7 @@ Alternatives primitives(Shape& shape) {
 
 // A stand-in for a mesh cannot be a mesh: it could be missing as well.
 void declare_primitive(Declaration& d, Shape& shape) {
-    if (d.parsing()) shape.where = d.place();
+    if (d.parsing()) shape.where = d.location();
     d.one_of(shape.kind, primitives(shape));
 }
 
@@ -193,7 +193,7 @@ void declare_difference(Declaration& d, Shape& shape) {
 } // namespace
 
 void declare(Declaration& d, Shape& shape) {
-    if (d.parsing()) shape.where = d.place();
+    if (d.parsing()) shape.where = d.location();
     auto alternatives = primitives(shape);
     const auto add = [&](ShapeKind kind, const char* key, void (*members)(Declaration&, Shape&), const char* doc) {
         alternatives.push_back({kind, Alternative{key, [&shape, members](Declaration& m) { members(m, shape); }, doc}});

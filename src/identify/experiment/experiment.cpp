@@ -21,7 +21,7 @@ void ViewUncertainty::declare(Declaration& d) {
 }
 
 void Experiment::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name in reports; by default that of the masks' folder, or piv or series.");
     d.text("scene", scene, "Name of the scene that simulates it; by default the first.");
     d.text("masks", masks,

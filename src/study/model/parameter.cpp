@@ -41,7 +41,7 @@ std::optional<Quantity> read_number_and_unit(const std::string& text) {
 }
 
 void Parameter::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name of the column; by default the last part of the key.");
     d.text("key", key, "Where the value stands in the scenes, as for --set: liquids.syrup.viscosity.");
     d.required("key");
@@ -130,7 +130,7 @@ double Parameter::at(double share) const {
 std::string Parameter::column() const { return name + (unit.empty() ? "" : " [" + unit + "]"); }
 
 void Measured::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name in reports; by default the last part of the key.");
     d.text("key", key, "Where the value stands in the scenes: liquids.syrup.density.");
     d.required("key");
