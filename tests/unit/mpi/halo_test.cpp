@@ -79,8 +79,8 @@ std::vector<test::Point> expected_ghosts(
     CellBox reached = box;
     int images[3];
     for (int k = 0; k < 3; ++k) {
-        reached.lo[k] -= grid.reach(k);
-        reached.hi[k] += grid.reach(k);
+        reached.lo[k] -= grid.halo_width(k);
+        reached.hi[k] += grid.halo_width(k);
         images[k] = grid.periodic(k) ? 1 : 0;
     }
     for (const auto& point : all) {
