@@ -69,7 +69,7 @@ scene::Shape cut_at_mirrors(const scene::Shape& shape, const scene::Domain& doma
     }
     for (const auto& mirror : domain.mirrors()) {
         const auto k = mirror.axis;
-        (domain.faces[2 * k].mirror ? kept.min : kept.max)[k] = mirror.place;
+        (domain.faces[2 * k].mirror ? kept.min : kept.max)[k] = mirror.position;
     }
     auto out = scene::clipped(shape, kept);
     out.clip = shape.clip;

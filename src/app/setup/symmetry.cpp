@@ -41,7 +41,7 @@ struct Unevenness {
 };
 
 Vec3 image_of(Vec3 x, const MirrorPlane& mirror) {
-    x[mirror.axis] = 2 * mirror.place - x[mirror.axis];
+    x[mirror.axis] = 2 * mirror.position - x[mirror.axis];
     return x;
 }
 
@@ -96,7 +96,7 @@ private:
         const bool low = input_.scene.domain.faces[2 * k].mirror;
         return std::ranges::any_of(group.regions, [&](const auto& region) {
             const auto bounds = region.bounds();
-            return low ? bounds.min[k] < mirror_.place - touching : bounds.max[k] > mirror_.place + touching;
+            return low ? bounds.min[k] < mirror_.position - touching : bounds.max[k] > mirror_.position + touching;
         });
     }
 
@@ -132,7 +132,7 @@ private:
     void motion_of(const scene::Body& body) {
         const auto k = mirror_.axis;
         const auto bounds = scene::SolidRegion(body.shape, input_.scene.domain.dimensions).bounds();
-        if (body.kind != scene::BodyKind::kinematic || bounds.min[k] >= mirror_.place || bounds.max[k] <= mirror_.place)
+        if (body.kind != scene::BodyKind::kinematic || bounds.min[k] >= mirror_.position || bounds.max[k] <= mirror_.position)
             return;
         bool across_it = body.velocity[k] != 0;
         for (std::size_t j = 0; j < 3; ++j) across_it = across_it || (j != k && body.angular_velocity[j] != 0);

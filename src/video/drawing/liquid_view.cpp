@@ -109,10 +109,10 @@ void LiquidView::add_space(const LiquidMesh& mesh) {
             found.depth = float(sample.depth);
             std::size_t most = 0;
             for (std::size_t k = 0; k < 3; ++k) {
-                const auto share = float(sample.share[k]);
+                const auto share = float(sample.barycentric[k]);
                 for (std::size_t c = 0; c < 3; ++c) found.normal[c] += share * corner[k]->normal[c];
                 found.value += share * corner[k]->value;
-                if (sample.share[k] > sample.share[most]) most = k;
+                if (sample.barycentric[k] > sample.barycentric[most]) most = k;
             }
             found.liquid = mesh.liquid.empty() ? 0 : mesh.liquid[std::size_t(t[most])];
             auto& to = samples_[std::size_t(sample.row * raster.width() + sample.column)];

@@ -91,7 +91,7 @@ private:
             raster.draw(c[0]->seen, c[1]->seen, c[2]->seen, [&](const scene::RasterSample& sample) {
                 std::array<float, 2> light{0, 0};
                 for (std::size_t k = 0; k < 3; ++k)
-                    for (std::size_t l = 0; l < 2; ++l) light[l] += float(sample.share[k]) * c[k]->light[l];
+                    for (std::size_t l = 0; l < 2; ++l) light[l] += float(sample.barycentric[k]) * c[k]->light[l];
                 buffer_.put(int(sample.column), int(sample.row), float(sample.depth), light);
             });
         }
