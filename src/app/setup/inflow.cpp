@@ -109,10 +109,10 @@ Pouring pouring_of(const Input& input) {
         const auto grid = grid::make_mac_grid(domain);
         const auto particles = grid::seeded_ids(grid);
         out.layers = grid::layers_of(grid);
-        out.layers.held = grid::inlet_body_layers;
+        out.layers.buffered = grid::inlet_body_layers;
         out.volume = std::pow(out.layers.spacing, domain.dimensions);
         out.first_id = static_cast<std::int64_t>(input.scene.liquids.size()) * particles;
-        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.held) +
+        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.buffered) +
                      " particle spacings behind the opening";
         return out;
     }
@@ -122,7 +122,7 @@ Pouring pouring_of(const Input& input) {
     out.clearance = 0.5 * domain.spacing;
     const scene::Lattice lattice{domain.spacing, domain.min, domain.max, domain.dimensions};
     out.first_id = static_cast<std::int64_t>(input.scene.liquids.size() * lattice.points());
-    out.behind = "its liquid waits in " + std::to_string(out.layers.held) + " spacings behind the opening";
+    out.behind = "its liquid waits in " + std::to_string(out.layers.buffered) + " spacings behind the opening";
     return out;
 }
 
@@ -189,7 +189,7 @@ namespace {
 // Positions of the particles of an inlet until they have passed it, or its plug.
 std::vector<Vec3> held_places(const flow::InletSetup& inlet, const flow::Layers& layers) {
     std::vector<Vec3> out;
-    for (int layer = 0; layer < layers.held; ++layer) {
+    for (int layer = 0; layer < layers.buffered; ++layer) {
         for (const auto& point : inlet.points) {
             Vec3 x = inlet.centre;
             for (std::size_t k = 0; k < 3; ++k)
@@ -349,7 +349,7 @@ double flow_of(const Input& input, const flow::InletSetup& inlet) {
 
 std::uint64_t inflow_particles(const Input& input, const flow::InletSetup& inlet) {
     auto layers = pouring_of(input).layers;
-    if (input.on_grid()) layers.held = 0; // behind the opening there are none
+    if (input.on_grid()) layers.buffered = 0; // behind the opening there are none
     return static_cast<std::uint64_t>(flow::layers_until(inlet, layers, input.scene.time.end)) * inlet.points.size();
 }
 
