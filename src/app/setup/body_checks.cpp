@@ -153,7 +153,7 @@ private:
         const double period = domain.max[k] - domain.min[k], length = bounds.max[k] - bounds.min[k];
         const bool turns = may_turn(body(b), k, domain.dimensions),
                    meets = std::fabs(length - period) <= 1e-6 * domain.spacing;
-        if ((turns ? 2 * setups_[b].reach : length) < period && !meets) return;
+        if ((turns ? 2 * setups_[b].bounding_radius : length) < period && !meets) return;
         const auto [given, least] = tell_apart(meets ? period : length, period);
         if (turns && (meets || length < period)) {
             problems.push_back({body(b).where, name + " may turn, and is longer than the period in " + axis + " then",

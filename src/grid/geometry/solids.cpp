@@ -110,8 +110,8 @@ CellBox reach_of(
     Vec3 low = region.bounds().min, high = region.bounds().max;
     if (bodies.moves(body)) {
         for (std::size_t k = 0; k < 3; ++k) {
-            low[k] = bodies.pose(body).centre[k] - setup.reach;
-            high[k] = bodies.pose(body).centre[k] + setup.reach;
+            low[k] = bodies.pose(body).centre[k] - setup.bounding_radius;
+            high[k] = bodies.pose(body).centre[k] + setup.bounding_radius;
         }
     }
     CellBox out = cells;

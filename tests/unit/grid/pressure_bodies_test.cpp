@@ -20,7 +20,7 @@ rigid::BodySetup free_body(const Vec3& centre, double mass, double radius) {
     body.centre = centre;
     body.mass = mass;
     for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * mass * radius * radius;
-    body.reach = radius;
+    body.bounding_radius = radius;
     return body;
 }
 

@@ -25,7 +25,7 @@ rigid::BodiesSetup two_bodies(int dimensions) {
     moving.velocity = {1, 0.5, 0};
     moving.angular_velocity = {0, 0, 2};
     moving.region = {box({0.2, 0.45, dimensions == 3 ? 0.4 : -1}, {0.4, 0.55, dimensions == 3 ? 0.6 : 1}, dimensions)};
-    moving.reach = 0.2;
+    moving.bounding_radius = 0.2;
     setup.bodies = {resting, moving};
     return setup;
 }

@@ -34,7 +34,7 @@ rigid::BodySetup ball_body(const Vec3& centre, double radius, double density) {
     body.mass = density * 4.0 / 3 * math::pi * radius * radius * radius;
     for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * body.mass * radius * radius;
     body.region = {scene::SolidRegion(shape)};
-    body.reach = radius;
+    body.bounding_radius = radius;
     return body;
 }
 

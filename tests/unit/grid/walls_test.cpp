@@ -166,7 +166,7 @@ TEST_F(GridWalls, ALidAsLongAsThePeriodShearsTheLiquid) {
     lid.velocity = {2, 0, 0};
     lid.centre = {0.25, 0.9, 0};
     lid.region = {scene::SolidRegion(shape, 2)};
-    lid.reach = 1;
+    lid.bounding_radius = 1;
     sample.setup.rigid.bodies = {lid};
     sample.setup.rigid.period = {0.5, 0, 0};
     sample.setup.slip = {{scene::Slip::no_slip}, {0.0}};

@@ -42,7 +42,7 @@ Sample brick_in_liquid(const Vec3& velocity, double density_ratio) {
     }
     brick.velocity = velocity;
     brick.angular_velocity = {0.5, -1, 2};
-    brick.reach = 4 * spacing;
+    brick.bounding_radius = 4 * spacing;
     sample.setup.rigid.bodies = {brick};
     sample.setup.rigid.spacing = spacing;
     sample.setup.first_body = 1;
