@@ -5,10 +5,10 @@
 
 namespace treacle::surface {
 
-void add_image(std::vector<double>& rows, std::size_t axis, double twice_place) {
+void add_image(std::vector<double>& rows, std::size_t axis, double twice_position) {
     const auto size = rows.size();
     add_image(rows);
-    for (auto i = size + axis; i < rows.size(); i += 3) rows[i] = twice_place - rows[i];
+    for (auto i = size + axis; i < rows.size(); i += 3) rows[i] = twice_position - rows[i];
 }
 
 void add_images(Mesh& mesh, const std::vector<scene::MirrorPlane>& planes) {
