@@ -120,11 +120,11 @@ std::optional<double> Parameter::number(const std::string& word) const {
     return quantity->value;
 }
 
-double Parameter::at(double share) const {
-    if (share <= 0) return lower;
-    if (share >= 1) return upper;
-    return plain_number(
-        scale == Scale::linear ? lower + share * (upper - lower) : lower * std::exp(share * std::log(upper / lower)));
+double Parameter::at(double fraction) const {
+    if (fraction <= 0) return lower;
+    if (fraction >= 1) return upper;
+    return plain_number(scale == Scale::linear ? lower + fraction * (upper - lower)
+                                               : lower * std::exp(fraction * std::log(upper / lower)));
 }
 
 std::string Parameter::column() const { return name + (unit.empty() ? "" : " [" + unit + "]"); }
