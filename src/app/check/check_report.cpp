@@ -223,7 +223,7 @@ void Report::steps() {
     row("limit by speed", step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
                               (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
     row("limit by gravity", step_text(estimates_.gravity_step));
-    const double share = sph::step_share(liquid_materials(at_.input));
+    const double share = sph::time_step_factor(liquid_materials(at_.input));
     if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
     if (std::isfinite(estimates_.capillary_step)) row("limit by capillarity", step_text(estimates_.capillary_step));
     row("limit by viscosity", std::isfinite(estimates_.viscous_step) ? step_text(estimates_.viscous_step)

@@ -182,7 +182,7 @@ std::string thin_note(std::size_t samples) {
 }
 
 scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, const scene::Lattice& lattice) {
-    const bool spreads = !input.on_grid() && input.method.pressure.recovers_places();
+    const bool spreads = !input.on_grid() && input.method.pressure.recovers_positions();
     return {geometry.liquids, geometry.bodies, spreads ? 0 : (0.5 - 1e-9) * lattice.spacing, lattice, {}};
 }
 
@@ -323,7 +323,7 @@ double viscous_step_limit(const Input& input) {
 
 double capillary_step_limit(const Input& input) {
     auto constants = make_constants(input);
-    constants.immiscible.step_share = sph::step_share(liquid_materials(input));
+    constants.immiscible.time_step_factor = sph::time_step_factor(liquid_materials(input));
     return sph::capillary_step_limit(
         input.method.surface_tension, constants, input.scene.liquids.front().surface_tension);
 }
