@@ -6,9 +6,9 @@
 namespace treacle::grid {
 
 namespace {
-// The exact share of a pressure's flux is 1/(2 eta) in a cell between equally viscous ones; the loop below has
+// The exact fraction of a pressure's flux is 1/(2 eta) in a cell between equally viscous ones; the loop below has
 // 4 d/((2 d + 2) eta) of it in d dimensions.
-double exact_share(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
+double exact_fraction(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
 
 // The inverse of the sum of area^2 / (resistance of the face's own stresses) of each cell with a pressure. Nothing beside faces
 // that no stress holds, and where the cell itself has no stress: mechanisms (mechanisms.hpp) stay what they are.
@@ -17,7 +17,7 @@ struct StiffnessLoop {
     PressureFaces pressure;
     Array<int> cell_of, by_body;
     double face, factor; // [m2], of a 2D scene [m]
-    Array<double> by_row, held_by_row, held;
+    Array<double> by_row, stiffness_by_row, stiffness;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         double sum = 0;
@@ -29,15 +29,15 @@ struct StiffnessLoop {
                 if (!(area > 0)) continue;
                 double stress = 0;
                 viscous.each_stress(a, i, viscous.normal, viscous.shear, [&](double w) { stress += w; });
-                const double share = viscous.share.axis[a](i), resistance = share * share * stress;
+                const double fraction = viscous.fraction.axis[a](i), resistance = fraction * fraction * stress;
                 stress_free = stress_free || !(resistance > 0);
                 if (resistance > 0) sum += area * area / resistance;
             }
         }
         const double own = stress_free || !(sum > 0) ? 0.0 : factor / sum, more = by_body(r) != 0 ? 0.0 : own;
         by_row(r) = own + more;
-        held_by_row(r) = more;
-        held(cell_of(r)) = face * face * more;
+        stiffness_by_row(r) = more;
+        stiffness(cell_of(r)) = face * face * more;
     }
 };
 } // namespace
@@ -45,20 +45,20 @@ struct StiffnessLoop {
 void VolumeStresses::find(Pressure& pressure, const ViscousFaces& viscous, CellHalo& halo, double face) {
     const auto& system = pressure.system();
     const auto rows = static_cast<std::size_t>(system.rows());
-    held_.faces = system.faces();
-    reserve(held_.held, static_cast<std::size_t>(halo.window().size()));
-    Kokkos::deep_copy(held_.held, 0.0);
+    stiffness_.faces = system.faces();
+    reserve(stiffness_.stiffness, static_cast<std::size_t>(halo.window().size()));
+    Kokkos::deep_copy(stiffness_.stiffness, 0.0);
     reserve(by_row_, rows);
-    reserve(held_by_row_, rows);
+    reserve(stiffness_by_row_, rows);
     reserve(by_body_, rows);
     const auto by_body = Kokkos::create_mirror_view(by_body_);
     Kokkos::deep_copy(by_body, 0);
     for (const auto& entry : pressure.coupling().entries()) by_body(static_cast<std::size_t>(entry.row)) = 1;
     Kokkos::deep_copy(by_body_, by_body);
     Kokkos::parallel_for("treacle::volume_stiffness", system.rows(),
-        StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face, exact_share(held_.faces.dimensions),
-            by_row_, held_by_row_, held_.held});
-    halo.gather({held_.held});
+        StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face,
+            exact_fraction(stiffness_.faces.dimensions), by_row_, stiffness_by_row_, stiffness_.stiffness});
+    halo.gather({stiffness_.stiffness});
 }
 
 } // namespace treacle::grid
