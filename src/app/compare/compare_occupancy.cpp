@@ -41,8 +41,8 @@ OccupancyWindow sum_window(
             const auto drawn = film.draw(k);
             video::write_mask(drawn_film.masks / frames[k].mask.filename(), drawn.now.mask);
             add(drawn);
-            places.film[k] = identify::thread_place(mask);
-            places.run[k] = identify::thread_place(drawn.now.mask);
+            places.film[k] = identify::thread_column(mask);
+            places.run[k] = identify::thread_column(drawn.now.mask);
             if (drawn_film.experiment.occupancy.mirror != identify::MirrorAxis::none) add(film.draw_mirrored(k));
         }
     });
