@@ -167,9 +167,9 @@ Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double v
     std::vector<Timed> timed;
     for (int k = 0; k < request.repeats; ++k) {
         setting.set_velocity();
-        out.report =
-            solver.solve({setting.grid, setting.halo, setting.fractions, setting.body_fractions, setting.viscosities, density},
-                setting.velocity, bodies, time_step);
+        out.report = solver.solve(
+            {setting.grid, setting.halo, setting.fractions, setting.body_fractions, setting.viscosities, density},
+            setting.velocity, bodies, time_step);
         const auto& solve = out.report.solve;
         const double product = product_seconds(comm, *solver.matrix()); // at once, while the machine is as it was
         timed.push_back({comm.max(solve.set_up_seconds + solve.iteration_seconds) / product,

@@ -30,7 +30,7 @@ std::vector<rigid::ContactSample> probes_of(
 }
 
 // From the centre to the farthest corner of its bounds, which is no less than to its surface [m].
-double reach_of_bounds(const scene::SolidRegion& region, const Vec3& centre) {
+double radius_of_bounds(const scene::SolidRegion& region, const Vec3& centre) {
     const auto bounds = region.surface_bounds();
     Vec3 most{};
     for (std::size_t k = 0; k < static_cast<std::size_t>(region.dimensions()); ++k) {
@@ -100,7 +100,7 @@ rigid::BodySetup make_body(const scene::Body& body, std::size_t number, const Ge
             }
         }
     }
-    if (!probed) out.bounding_radius = reach_of_bounds(region, out.centre);
+    if (!probed) out.bounding_radius = radius_of_bounds(region, out.centre);
     for (const auto& probe : out.probes) {
         out.bounding_radius = std::max(out.bounding_radius, distance(probe.point, out.centre) + probe.radius);
     }
