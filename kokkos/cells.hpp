@@ -90,7 +90,7 @@ struct CellGrid {
         return box;
     }
     // Cells on either side that a particle's neighbours may lie in.
-    KOKKOS_INLINE_FUNCTION int reach(int axis) const { return axis < dimensions ? 1 : 0; }
+    KOKKOS_INLINE_FUNCTION int halo_width(int axis) const { return axis < dimensions ? 1 : 0; }
 };
 
 // Ranges of each cell of a window in the particles' arrays. Within a cell they are ordered by id, and a cell's

@@ -42,7 +42,7 @@ struct Search {
         runs.count = 0;
         runs.batches = 0;
         const int x_lo = math::max(c[0] - 1, window.lo[0]), x_hi = math::min(c[0] + 1, window.hi[0] - 1);
-        for (int dz = -grid.reach(2); dz <= grid.reach(2); ++dz) {
+        for (int dz = -grid.halo_width(2); dz <= grid.halo_width(2); ++dz) {
             const int cz = c[2] + dz;
             if (cz < window.lo[2] || cz >= window.hi[2]) continue;
             for (int cy = c[1] - 1; cy <= c[1] + 1; ++cy) {

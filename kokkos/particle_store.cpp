@@ -129,9 +129,9 @@ void order_within_cells(const Array<int>& order, const Array<std::int64_t>& id, 
             for (int k = begin(c) + 1; k < end(c); ++k) {
                 const int moved = order(k);
                 const auto key = id(moved);
-                int place = k;
-                for (; place > begin(c) && id(order(place - 1)) > key; --place) order(place) = order(place - 1);
-                order(place) = moved;
+                int slot = k;
+                for (; slot > begin(c) && id(order(slot - 1)) > key; --slot) order(slot) = order(slot - 1);
+                order(slot) = moved;
             }
         });
 }
@@ -141,8 +141,8 @@ void CellSort::sort(ParticleStore& store, const CellGrid& grid, const CellBox& o
     auto& window = cells.window;
     window = owned_cells;
     for (int k = 0; k < 3; ++k) {
-        window.lo[k] -= grid.reach(k);
-        window.hi[k] += grid.reach(k);
+        window.lo[k] -= grid.halo_width(k);
+        window.hi[k] += grid.halo_width(k);
     }
     const int n = store.owned();
     const int n_cells = owned_cells.empty() ? 0 : static_cast<int>(window.size());
@@ -175,7 +175,7 @@ void CellSort::sort(ParticleStore& store, const CellGrid& grid, const CellBox& o
             sum += count;
         });
     Kokkos::parallel_for(
-        "treacle::place", n, KOKKOS_LAMBDA(int i) { order(begin(cell(i)) + slot(i)) = i; });
+        "treacle::order_particles", n, KOKKOS_LAMBDA(int i) { order(begin(cell(i)) + slot(i)) = i; });
     order_within_cells(order_, store.id(), cells, n_cells);
     store.permute(order_, n);
 }

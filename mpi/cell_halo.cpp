@@ -15,15 +15,15 @@ CellBox shifted(CellBox box, const int by[3], int sign) {
     return box;
 }
 
-// One slice more: the places of a block of cells in the window.
-void add_slice(const CellBox& cells, const CellBox& window, int rank, ExchangePlan& slices, std::vector<int>& places) {
+// One slice more: the indices of a block of cells in the window.
+void add_slice(const CellBox& cells, const CellBox& window, int rank, ExchangePlan& slices, std::vector<int>& indices) {
     for (int z = cells.lo[2]; z < cells.hi[2]; ++z) {
         for (int y = cells.lo[1]; y < cells.hi[1]; ++y) {
-            for (int x = cells.lo[0]; x < cells.hi[0]; ++x) places.push_back(window.index(x, y, z));
+            for (int x = cells.lo[0]; x < cells.hi[0]; ++x) indices.push_back(window.index(x, y, z));
         }
     }
     slices.ranks.push_back(rank);
-    slices.offsets.push_back(static_cast<std::int64_t>(places.size()));
+    slices.offsets.push_back(static_cast<std::int64_t>(indices.size()));
 }
 } // namespace
 
@@ -63,17 +63,17 @@ void CellHalo::connect(const Decomposition& decomposition, const CellBox& active
 
 namespace {
 template <class View>
-void unpack_places(const View& field, const Array<int>& places, int n, const BufferColumns& from) {
+void unpack_cells(const View& field, const Array<int>& indices, int n, const BufferColumns& from) {
     Kokkos::parallel_for(
-        "treacle::unpack_places", n, KOKKOS_LAMBDA(int k) { unpack_row(field, places(k), from.row(k)); });
+        "treacle::unpack_cells", n, KOKKOS_LAMBDA(int k) { unpack_row(field, indices(k), from.row(k)); });
 }
 
 // Rows [first, last) of the message onto their owners; within one slice each owner appears once.
-void add_places(const Array<double>& field, const Array<int>& places, std::int64_t first, std::int64_t last,
+void add_cells(const Array<double>& field, const Array<int>& indices, std::int64_t first, std::int64_t last,
     const BufferColumns& from) {
     Kokkos::parallel_for(
-        "treacle::add_places", static_cast<int>(last - first),
-        KOKKOS_LAMBDA(int k) { field(places(first + k)) += *from.row(first + k); });
+        "treacle::add_cells", static_cast<int>(last - first),
+        KOKKOS_LAMBDA(int k) { field(indices(first + k)) += *from.row(first + k); });
 }
 
 // Parts that both directions share: the message of a list of fields, from their places to the other side's.
@@ -104,7 +104,7 @@ void CellHalo::bring(const Fields& fields) {
     carry({comm_, outgoing_, sent_, send_, incoming_, receive_}, fields);
     int column = 0;
     for (const auto& field : fields) {
-        unpack_places(field, received_, static_cast<int>(incoming_.rows()),
+        unpack_cells(field, received_, static_cast<int>(incoming_.rows()),
             {receive_, static_cast<int>(fields.size()), column++});
     }
 }
@@ -113,18 +113,18 @@ void CellHalo::gather(std::initializer_list<Array<double>> values) { bring(value
 void CellHalo::gather(std::initializer_list<Array<int>> values) { bring(values); }
 
 namespace {
-void pack_blocks(const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
+void pack_blocks(const Array<double>& field, const Array<int>& indices, int n, const Array<double>& buffer, int width) {
     Kokkos::parallel_for(
         "treacle::pack_blocks", n, KOKKOS_LAMBDA(int k) {
-            const std::int64_t from = std::int64_t(places(k)) * width, to = std::int64_t(k) * width;
+            const std::int64_t from = std::int64_t(indices(k)) * width, to = std::int64_t(k) * width;
             for (int c = 0; c < width; ++c) buffer(to + c) = field(from + c);
         });
 }
 void unpack_blocks(
-    const Array<double>& field, const Array<int>& places, int n, const Array<double>& buffer, int width) {
+    const Array<double>& field, const Array<int>& indices, int n, const Array<double>& buffer, int width) {
     Kokkos::parallel_for(
         "treacle::unpack_blocks", n, KOKKOS_LAMBDA(int k) {
-            const std::int64_t to = std::int64_t(places(k)) * width, from = std::int64_t(k) * width;
+            const std::int64_t to = std::int64_t(indices(k)) * width, from = std::int64_t(k) * width;
             for (int c = 0; c < width; ++c) field(to + c) = buffer(from + c);
         });
 }
@@ -146,7 +146,7 @@ void CellHalo::scatter(std::initializer_list<Array<double>> values) {
     for (std::size_t k = 0; k + 1 < outgoing_.offsets.size(); ++k) {
         int column = 0;
         for (const auto& field : values) {
-            add_places(field, sent_, outgoing_.offsets[k], outgoing_.offsets[k + 1], {send_, width, column++});
+            add_cells(field, sent_, outgoing_.offsets[k], outgoing_.offsets[k + 1], {send_, width, column++});
         }
     }
 }

@@ -14,8 +14,8 @@ struct Part {
     bool is_left;
 };
 
-// Cost of a ghost for its rank, in owned particles: a ghost is sent, received and placed, not computed.
-constexpr double ghost_share = 0.3;
+// Cost of a ghost for its rank, in owned particles: a ghost is sent, received and stored, not computed.
+constexpr double ghost_cost = 0.3;
 
 struct Cut {
     int axis = 0;
@@ -35,7 +35,7 @@ int longest_axis(const CellBox& box) {
 
 // The plane across `axis` whose heavier side, with the layer beyond the plane as ghosts, has the least load;
 // both sides keep a layer while there are layers to give.
-Cut best_plane(std::span<const double> histogram, double share, int axis, int lo) {
+Cut best_plane(std::span<const double> histogram, double fraction, int axis, int lo) {
     double total = 0;
     for (const double w : histogram) total += w;
     const int n = static_cast<int>(histogram.size());
@@ -45,14 +45,14 @@ Cut best_plane(std::span<const double> histogram, double share, int axis, int lo
         const double left = histogram[static_cast<std::size_t>(k - 1)], right = histogram[static_cast<std::size_t>(k)];
         below += left;
         const double load =
-            std::max((below + ghost_share * right) / share, (total - below + ghost_share * left) / (1 - share));
+            std::max((below + ghost_cost * right) / fraction, (total - below + ghost_cost * left) / (1 - fraction));
         if (load < best.load) best = {axis, lo + k, load};
     }
     return best;
 }
 
 // Best cut among all planes across all axes; `histograms` are the weights of the layers along x, then y, then z.
-Cut best_cut(std::span<const double> histograms, double share, const CellBox& box) {
+Cut best_cut(std::span<const double> histograms, double fraction, const CellBox& box) {
     const int longest = longest_axis(box);
     std::size_t start = 0;
     double total = 0;
@@ -64,12 +64,12 @@ Cut best_cut(std::span<const double> histograms, double share, const CellBox& bo
         if (k == 0) {
             for (const double w : histogram) total += w;
         }
-        const auto cut = best_plane(histogram, share, k, box.lo[k]);
+        const auto cut = best_plane(histogram, fraction, k, box.lo[k]);
         if (cut.load < best.load) best = cut;
     }
     const int n = extent(box, longest);
     if (total > 0 || n <= 1) return best;
-    return {longest, box.lo[longest] + std::clamp(static_cast<int>(std::lround(share * n)), 1, n - 1), 0};
+    return {longest, box.lo[longest] + std::clamp(static_cast<int>(std::lround(fraction * n)), 1, n - 1), 0};
 }
 // Weights of the layers of each part, along x, then y, then z.
 struct Histograms {
@@ -112,8 +112,8 @@ struct WeightedCells {
     std::span<const double> weights;
     std::vector<int> part_of;
 
-    WeightedCells(std::span<const int> places, std::span<const double> loads)
-        : cells(places), weights(loads), part_of(loads.size(), 0) {}
+    WeightedCells(std::span<const int> indices, std::span<const double> loads)
+        : cells(indices), weights(loads), part_of(loads.size(), 0) {}
 
     // Collective: sums over all ranks.
     Histograms histograms(const Comm& comm, const std::vector<Part>& parts) const {
@@ -174,8 +174,8 @@ void Decomposition::repartition(std::span<const int> cells, std::span<const doub
             if (ranks == 1) {
                 boxes_[static_cast<std::size_t>(part.first)] = part.box;
             } else {
-                const double share = double(ranks / 2) / ranks;
-                const auto cut = best_cut(histograms.of(p), share, part.box);
+                const double fraction = double(ranks / 2) / ranks;
+                const auto cut = best_cut(histograms.of(p), fraction, part.box);
                 value = static_cast<int>(nodes_.size());
                 nodes_.push_back({cut.axis, cut.at, 0, 0});
                 level.split(p, cut, value);

@@ -27,8 +27,8 @@ void Halo::connect(const Decomposition& decomposition) {
                     for (int k = 0; k < 3; ++k) {
                         neighbour.shift[k] = image[k] * grid.count[k];
                         neighbour.offset[k] = image[k] * grid.period[k];
-                        needed.lo[k] -= neighbour.shift[k] + grid.reach(k);
-                        needed.hi[k] += grid.reach(k) - neighbour.shift[k];
+                        needed.lo[k] -= neighbour.shift[k] + grid.halo_width(k);
+                        needed.hi[k] += grid.halo_width(k) - neighbour.shift[k];
                     }
                     neighbour.region = intersect(mine, needed);
                     if (!neighbour.region.empty()) neighbours_.push_back(neighbour);

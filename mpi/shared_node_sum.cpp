@@ -33,10 +33,10 @@ std::vector<CellBox> gather_boxes(const Comm& comm, const CellBox& box) {
     return boxes;
 }
 
-bool holds(const CellBox& box, std::int64_t key) {
-    int place[3];
-    LatticeKey::unpack(key, place);
-    return box.contains(place);
+bool contains_key(const CellBox& box, std::int64_t key) {
+    int node[3];
+    LatticeKey::unpack(key, node);
+    return box.contains(node);
 }
 
 // A key and its row.
@@ -51,7 +51,7 @@ std::vector<Message> offers(const Comm& comm, const std::vector<Row>& rows, cons
         if (rank == comm.rank() || intersect(own, other).empty()) continue;
         std::vector<std::int64_t> keys;
         for (const auto& [key, row] : rows) {
-            if (holds(other, key)) keys.push_back(key);
+            if (contains_key(other, key)) keys.push_back(key);
         }
         if (keys.empty()) continue;
         Message message{rank, std::vector<char>(keys.size() * sizeof(std::int64_t))};

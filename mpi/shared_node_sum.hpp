@@ -10,11 +10,11 @@ namespace treacle {
 // Places on an infinite lattice as one number: 21 bits an axis, from -2^20 to 2^20 - 1.
 struct LatticeKey {
     static constexpr std::int64_t half = 1 << 20, mask = (1 << 21) - 1;
-    static std::int64_t pack(const int place[3]) {
-        return (place[0] + half) | (place[1] + half) << 21 | (place[2] + half) << 42;
+    static std::int64_t pack(const int node[3]) {
+        return (node[0] + half) | (node[1] + half) << 21 | (node[2] + half) << 42;
     }
-    static void unpack(std::int64_t key, int place[3]) {
-        for (int k = 0; k < 3; ++k) place[k] = static_cast<int>((key >> (21 * k)) & mask) - static_cast<int>(half);
+    static void unpack(std::int64_t key, int node[3]) {
+        for (int k = 0; k < 3; ++k) node[k] = static_cast<int>((key >> (21 * k)) & mask) - static_cast<int>(half);
     }
 };
 

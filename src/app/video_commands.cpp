@@ -139,7 +139,7 @@ void add_check_video(CLI::App& program, const ChooseCommand& choose) {
 
 struct FilmWords {
     std::string run, camera, out, codec = "h264", time_map, liquid, background;
-    double exposure_share = 0.25;
+    double exposure_fraction = 0.25;
     bool overwrite = false;
     FilmRequest request;
 };
@@ -170,7 +170,7 @@ FilmRequest film_request(const FilmWords& words) {
     request.codec = words.codec == "h264"       ? video::ClipCodec::h264
                     : words.codec == "lossless" ? video::ClipCodec::h264_lossless
                                                 : video::ClipCodec::ffv1;
-    if (request.shot.exposure < 0) request.shot.exposure = words.exposure_share / request.rate;
+    if (request.shot.exposure < 0) request.shot.exposure = words.exposure_fraction / request.rate;
     request.shot.instants = request.shot.exposure > 0 ? 5 : 1;
     read_light("--liquid", words.liquid, request.shot.colour);
     read_light("--background", words.background, request.look.background);

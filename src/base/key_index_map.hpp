@@ -16,7 +16,7 @@ public:
     }
     // The number of a key, a new one where it has none yet.
     int number(std::int64_t key) {
-        const std::size_t slot = place(key);
+        const std::size_t slot = slot_of(key);
         if (slots_[slot] >= 0) return slots_[slot];
         const int number = static_cast<int>(keys_.size());
         slots_[slot] = number;
@@ -25,7 +25,7 @@ public:
         return number;
     }
     // Or -1.
-    int find(std::int64_t key) const { return slots_[place(key)]; }
+    int find(std::int64_t key) const { return slots_[slot_of(key)]; }
 
     const std::vector<std::int64_t>& keys() const { return keys_; } // by their numbers
     int size() const { return static_cast<int>(keys_.size()); }     // keys so far
@@ -34,7 +34,7 @@ public:
 
 private:
     // Index at which the key stands, or would.
-    std::size_t place(std::int64_t key) const {
+    std::size_t slot_of(std::int64_t key) const {
         constexpr std::uint64_t golden = 0x9e3779b97f4a7c15; // 2^64 over the golden ratio (Knuth, volume 3, 6.4)
         const std::size_t mask = slots_.size() - 1;
         std::size_t slot = static_cast<std::size_t>((static_cast<std::uint64_t>(key) * golden) >> 20) & mask;
@@ -43,7 +43,7 @@ private:
     }
     void grow() {
         slots_.assign(2 * slots_.size(), -1);
-        for (std::size_t k = 0; k < keys_.size(); ++k) slots_[place(keys_[k])] = static_cast<int>(k);
+        for (std::size_t k = 0; k < keys_.size(); ++k) slots_[slot_of(keys_[k])] = static_cast<int>(k);
     }
 
     std::vector<int> slots_ = std::vector<int>(16, -1);

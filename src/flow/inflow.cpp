@@ -6,8 +6,8 @@
 namespace treacle::flow {
 
 namespace {
-// Times and places closer than this share of a spacing count as equal.
-constexpr double same_place = 1e-9;
+// Times and positions closer than this fraction of a spacing count as equal.
+constexpr double same_position = 1e-9;
 } // namespace
 
 double step_of(const InletSetup& inlet, const Layers& layers) { return inlet.step > 0 ? inlet.step : layers.spacing; }
@@ -15,9 +15,9 @@ double step_of(const InletSetup& inlet, const Layers& layers) { return inlet.ste
 std::int64_t layers_until(const InletSetup& inlet, const Layers& layers, double time) {
     if (time < inlet.start) return 0;
     const double d = step_of(inlet, layers);
-    double count = inlet.speed * (time - inlet.start) / d + layers.held;
+    double count = inlet.speed * (time - inlet.start) / d + layers.buffered;
     if (inlet.end > 0) count = std::min(count, inlet.speed * (inlet.end - inlet.start) / d);
-    return static_cast<std::int64_t>(std::floor(count + 0.5 + same_place));
+    return static_cast<std::int64_t>(std::floor(count + 0.5 + same_position));
 }
 
 std::int64_t particles_until(const InflowSetup& setup, const Layers& layers, double time) {
@@ -28,7 +28,7 @@ std::int64_t particles_until(const InflowSetup& setup, const Layers& layers, dou
     return sum;
 }
 
-double place_of(const InletSetup& inlet, const Layers& layers, std::int64_t layer, double time) {
+double layer_position(const InletSetup& inlet, const Layers& layers, std::int64_t layer, double time) {
     return inlet.speed * (time - inlet.start) - (double(layer) + 0.5) * step_of(inlet, layers);
 }
 
@@ -54,14 +54,14 @@ std::int64_t InletEmitter::id_of(std::size_t inlet, std::int64_t layer) const {
 
 namespace {
 // The points of a layer that lie in this rank's cells.
-struct LayerPlaces {
+struct LayerPoints {
     Array3 points;
     double middle[3];
     PeriodicBox domain;
     CellGrid grid;
     CellBox own;
 
-    KOKKOS_INLINE_FUNCTION bool place(int j, double x[3]) const {
+    KOKKOS_INLINE_FUNCTION bool locate(int j, double x[3]) const {
         for (int k = 0; k < 3; ++k) x[k] = domain.wrap(k, middle[k] + points(j, k));
         int c[3];
         grid.locate(x[0], x[1], x[2], c);
@@ -69,13 +69,13 @@ struct LayerPlaces {
     }
 };
 
-int count_mine(const LayerPlaces& layer) {
+int count_mine(const LayerPoints& layer) {
     int mine = 0;
     Kokkos::parallel_reduce(
         "treacle::count_inflow", layer.points.extent(0),
         KOKKOS_LAMBDA(int j, int& sum) {
             double x[3];
-            sum += static_cast<int>(layer.place(j, x));
+            sum += static_cast<int>(layer.locate(j, x));
         },
         mine);
     return mine;
@@ -104,11 +104,11 @@ struct NewParticles {
     std::int64_t first_id, stride;
 };
 
-void write_layer(const LayerPlaces& layer, const NewParticles& to, int first) {
+void write_layer(const LayerPoints& layer, const NewParticles& to, int first) {
     Kokkos::parallel_scan(
         "treacle::inflow", layer.points.extent(0), KOKKOS_LAMBDA(int j, int& sum, bool last) {
             double x[3];
-            const bool mine = layer.place(j, x);
+            const bool mine = layer.locate(j, x);
             if (last && mine) {
                 const int i = first + sum;
                 for (int k = 0; k < 3; ++k) {
@@ -128,14 +128,14 @@ void write_layer(const LayerPlaces& layer, const NewParticles& to, int first) {
 void InletEmitter::add(
     ParticleStore& store, const Fields& fields, const CellGrid& grid, const CellBox& own, const Layer& layer) const {
     const auto& from = setup_.inlets[layer.inlet];
-    LayerPlaces places{points_[layer.inlet], {}, box_, grid, own};
+    LayerPoints layer_points{points_[layer.inlet], {}, box_, grid, own};
     NewParticles to{};
-    const double along = place_of(from, layers_, layer.number, layer.time);
+    const double along = layer_position(from, layers_, layer.number, layer.time);
     for (std::size_t k = 0; k < 3; ++k) {
-        places.middle[k] = from.centre[k] + along * from.direction[k];
+        layer_points.middle[k] = from.centre[k] + along * from.direction[k];
         to.speed[k] = from.speed * from.direction[k];
     }
-    const int first = store.owned(), mine = count_mine(places);
+    const int first = store.owned(), mine = count_mine(layer_points);
     store.resize_owned(first + mine);
     for (const auto& field : store.fields()) {
         if (field.role != FieldRole::state) continue;
@@ -152,7 +152,7 @@ void InletEmitter::add(
     to.number = static_cast<int>(layer.inlet) + 1;
     to.first_id = id_of(layer.inlet, layer.number);
     to.stride = static_cast<std::int64_t>(setup_.inlets.size());
-    write_layer(places, to, first);
+    write_layer(layer_points, to, first);
 }
 
 } // namespace treacle::flow

@@ -39,7 +39,7 @@ struct InflowSetup {
 // Layers of a method's lattice, and their number behind an opening.
 struct Layers {
     double spacing = 0; // [m]
-    int held = 0;
+    int buffered = 0;
 };
 
 // From layer to layer [m].
@@ -51,10 +51,10 @@ std::int64_t layers_until(const InletSetup& inlet, const Layers& layers, double 
 // Particles of all layers that inlets have made up to a time.
 std::int64_t particles_until(const InflowSetup& setup, const Layers& layers, double time);
 
-// Place of a layer along the direction, from the opening [m]: layer 0 passes it half a spacing after the start.
-double place_of(const InletSetup& inlet, const Layers& layers, std::int64_t layer, double time);
+// Position of a layer along the direction, from the opening [m]: layer 0 passes it half a spacing after the start.
+double layer_position(const InletSetup& inlet, const Layers& layers, std::int64_t layer, double time);
 
-// Puts particles of layers into a store. Ids follow from the number of a layer and the place in it, the inlets' numbers
+// Puts particles of layers into a store. Ids follow from the number of a layer and the index in it, the inlets' numbers
 // alternating: the same on any number of ranks.
 class InletEmitter {
 public:

@@ -30,8 +30,8 @@ struct ViscosityModel {
                    (viscosity - infinite_shear_viscosity) / (1 + math::pow(relaxation_time * rate, exponent));
         case scene::ViscosityModelKind::herschel_bulkley: {
             const double x = regularisation * rate;
-            const double share = x > 1e-6 ? (1 - math::exp(-x)) / x : 1 - 0.5 * x; // of the viscosity at rest
-            return power(rate) + yield_stress * regularisation * share;
+            const double ratio = x > 1e-6 ? (1 - math::exp(-x)) / x : 1 - 0.5 * x; // of the viscosity at rest
+            return power(rate) + yield_stress * regularisation * ratio;
         }
         }
         return viscosity;

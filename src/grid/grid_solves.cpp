@@ -37,8 +37,8 @@ void GridStep::project(StepReport& report, double dt, Pressure::SurfaceTension s
 // (R1), (R2): by what the particles brought along, which gravity and pressure have not changed yet.
 void GridStep::find_viscosities_by_rate() {
     const bool slides = slip_.any();
-    const StrainContext scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().grip : fractions_,
-        slides ? slip_.shares() : shares_, solids_.motion(), setup_.options.viscosity, &strains_,
+    const StrainContext scene{grid_, cells_halo_, fractions_, slides ? slip_.slip().no_slip_fractions : fractions_,
+        slides ? slip_.body_fractions() : body_fractions_, solids_.motion(), setup_.options.viscosity, &strains_,
         dt_ > 0 ? before_ / dt_ : 0.0, no_slip().any_moves() ? &no_slip() : nullptr};
     halo_.gather(particles_.store, {particles_.viscosity_field()});
     rheology_.compute_rates(scene, start_);
@@ -80,8 +80,8 @@ ViscousScene GridStep::viscous_scene() {
         no_slip_.find(slip_.no_slip(), slip_.no_slip_fractions(), bodies_);
     }
     find_viscosities();
-    return {grid_, cells_halo_, fractions_, slides ? slip_.shares() : shares_, viscosities_, setup_.density,
-        slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip(),
+    return {grid_, cells_halo_, fractions_, slides ? slip_.body_fractions() : body_fractions_, viscosities_,
+        setup_.density, slides ? &slip_.slip() : nullptr, nullptr, &strains_, &distance_, &no_slip(),
         (slides ? slip_.no_slip() : solids_).sampler()};
 }
 
@@ -91,7 +91,7 @@ SlipAreas GridStep::slip_areas() const {
 }
 
 PressureContext GridStep::pressure_context() {
-    return {grid_, cells_halo_, distance_, fractions_, shares_, bodies_, setup_.density, tensions_.largest(),
+    return {grid_, cells_halo_, distance_, fractions_, body_fractions_, bodies_, setup_.density, tensions_.largest(),
         tensions_.differ() ? &tensions_.at_centres() : nullptr, nullptr, slip_areas(), &inflow_,
         &curvature_.at_centres()};
 }
@@ -219,8 +219,8 @@ void GridStep::together(StepReport& report, double dt) {
     auto& problem = viscosity_.problem();
     {
         const auto phase = timers_.scope("pressure");
-        problem.find_places(scene, bodies_, dt);
-        close_held_faces(problem.places(), fractions_.open, open_);
+        problem.update_faces(scene, bodies_, dt);
+        close_prescribed_faces(problem.viscous_faces(), fractions_.open, open_);
         find_inflow(open_);
         auto closed = pressure_context();
         closed.open = &open_;
@@ -238,14 +238,15 @@ void GridStep::together(StepReport& report, double dt) {
 }
 
 // Velocities beyond the liquid's own faces, as far as particles may come in a step.
-void GridStep::extrapolate_velocity(const WallCondition& grip) {
+void GridStep::extrapolate_velocity(const WallCondition& condition) {
     const auto faces = pressure_.describe(pressure_context());
     const FaceScene scene{grid_, cells_halo_, faces};
-    mark_valid_faces(faces, {fractions_.face_liquid_clipped, min_liquid_fraction}, grip.viscosity, grid_.dx, known_);
-    extrapolate_increment(scene, {start_, mass_, scratch_, reached_}, known_, velocity_); // (A6)
-    const int reach = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
-    extrapolate(grid_, cells_halo_, velocity_, known_, reach);
-    enforce_wall_velocity(scene, solids_, grip, velocity_, scratch_); // (A2)
+    mark_valid_faces(
+        faces, {fractions_.face_liquid_clipped, min_liquid_fraction}, condition.viscosity, grid_.dx, known_);
+    extrapolate_increment(scene, {start_, mass_, scratch_, extrapolated_}, known_, velocity_); // (A6)
+    const int layers = static_cast<int>(std::ceil(setup_.options.cfl)) + 1;
+    extrapolate(grid_, cells_halo_, velocity_, known_, layers);
+    enforce_wall_velocity(scene, solids_, condition, velocity_, scratch_); // (A2)
 }
 
 } // namespace treacle::grid

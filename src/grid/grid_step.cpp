@@ -44,7 +44,7 @@ void fill_rest_densities(const GridParticles& particles, const Array<double>& ma
 
 void GridStep::start() {
     repartition();
-    place_particles();
+    distribute_particles();
     if (before_ > 0) return;
     begin_velocities(particles_, 0);
     fill_rest_densities(particles_, particle_mass_, particle_volume(grid_));
@@ -68,7 +68,7 @@ void GridStep::restore_history(std::span<const double> state) {
 void GridStep::restore(std::span<const std::int64_t> state) {
     load_balance_.restore(state, decomposition_);
     halo_.connect(decomposition_);
-    place_particles();
+    distribute_particles();
 }
 
 std::vector<std::int64_t> GridStep::decomposition_state() const { return load_balance_.state(decomposition_); }
@@ -85,7 +85,7 @@ void GridStep::repartition() {
 void GridStep::rebalance() {
     if (!load_balance_.is_due(comm_, particles_.store.owned())) return;
     repartition();
-    place_particles();
+    distribute_particles();
     load_balance_.note_cut(comm_, particles_.store.owned());
 }
 
@@ -97,7 +97,7 @@ void GridStep::connect(const CellBox& occupied) {
     reserve(distance_, static_cast<std::size_t>(cells_halo_.window().size()));
 }
 
-void GridStep::place_particles() {
+void GridStep::distribute_particles() {
     connect(migration_.to_owner(particles_.store, decomposition_).cells);
     sort_.sort(particles_.store, grid_.cells, cells_halo_.owned(), cells_);
     halo_.rebuild(particles_.store, cells_);
@@ -156,17 +156,17 @@ void GridStep::update_geometry() {
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions,
         fractions_, solids_.walls());
     resting_.find(solids_, fraction_builder_, bodies_);
-    if (!bodies_.any_moves()) { // what rests has no shares, but the lists of the faces are read
+    if (!bodies_.any_moves()) { // what rests has no fractions, but the lists of the faces are read
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
-        for (auto& of : shares_) {
+        for (auto& of : body_fractions_) {
             if (bodies_.size() == 0 || of.first.extent(0) >= faces) continue;
             reserve(of.first, faces);
             Kokkos::deep_copy(of.first, 0);
         }
         return;
     }
-    fraction_builder_.build_body_shares(
-        solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), shares_.data());
+    fraction_builder_.build_body_fractions(
+        solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), body_fractions_.data());
     if (slip_.any()) closed_centres_.find(solids_.nodes(), solids_.distance());
 }
 
@@ -198,7 +198,7 @@ void GridStep::find_inflow(const FaceField& open) {
 }
 
 MomentumBalance::Scene GridStep::balance_scene() {
-    return {grid_, cells_halo_, cells_, distance_, fractions_.face_fluid, shares_, particles_, particle_mass_};
+    return {grid_, cells_halo_, cells_, distance_, fractions_.face_fluid, body_fractions_, particles_, particle_mass_};
 }
 
 // (M)
@@ -239,7 +239,7 @@ void GridStep::correct(StepReport& report) {
     ++steps_;
     const auto& options = setup_.options;
     if (options.correction.method == PositionMethod::none || steps_ % options.correction_every != 0) return;
-    place_particles();
+    distribute_particles();
     solids_.update(cells_halo_, bodies_);
     halo_.gather(particles_.store, {particles_.liquid_field()});
     const auto& g = setup_.domain.gravity;
@@ -254,7 +254,7 @@ StepReport GridStep::advance(double dt) {
     report.dt = dt;
     {
         const auto phase = timers_.scope("sort");
-        place_particles();
+        distribute_particles();
         rebalance();
     }
     {

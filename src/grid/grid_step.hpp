@@ -96,7 +96,7 @@ public:
     StepReport advance(double dt);
 
     // Collective: particles at their owners, in order, after some were lost: for output.
-    void refresh() { place_particles(); }
+    void refresh() { distribute_particles(); }
 
     // Collective. Largest step in which neither liquid nor bodies move farther than `cfl` widths, by their speed and what
     // gravity adds to it, and the limit of the surface tension [s]. Down to one width where liquid has been heaped up to more
@@ -129,7 +129,7 @@ public:
 private:
     void repartition();
     void rebalance();
-    void place_particles();
+    void distribute_particles();
     void connect(const CellBox& occupied);
     void particles_to_grid();
     void update_geometry();
@@ -152,7 +152,7 @@ private:
     void find_viscosities_by_rate();
     void find_viscosities();
     DiffusionNumber viscous_spread(double dt) const { return {viscosities_.cell, setup_.density, dt}; }
-    void extrapolate_velocity(const WallCondition& grip);
+    void extrapolate_velocity(const WallCondition& condition);
     void show_pressures();
     void load_resting(StepReport& report, double dt, bool at_once);
     void leave_solids(double dt);
@@ -188,16 +188,16 @@ private:
     LevelSet level_set_;
     FractionBuilder fraction_builder_;
     Fractions fractions_;
-    FaceShares shares_;
+    FaceBodyFractions body_fractions_;
     SlipGeometry slip_;
     ClosedCentres closed_centres_;
-    RestingSolids resting_, no_slip_; // all, and of them those that grip
+    RestingSolids resting_, no_slip_; // all, and of them the no-slip ones
     PressureCoupling resting_pressures_;
     WallMomentum wall_momentum_;
     WallPressures wall_pressures_;
     Array<double> distance_{"treacle::centre_distance", 0};
     FaceField mass_, velocity_, start_, scratch_; // start: of the particles, before the step changes it
-    FaceValidity known_, reached_;
+    FaceValidity known_, extrapolated_;
     Rheology rheology_;
     Viscosities viscosities_;
     SurfaceTensions tensions_;

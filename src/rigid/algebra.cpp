@@ -66,8 +66,8 @@ Quaternion normalised(const Quaternion& q) {
 Quaternion rotation_by(const Vec3& v) {
     const double angle = length(v);
     // sin(a / 2) / a, by its series where the quotient loses digits.
-    const double share = angle < 1e-4 ? 0.5 - angle * angle / 48 : std::sin(angle / 2) / angle;
-    return normalised({std::cos(angle / 2), share * v});
+    const double factor = angle < 1e-4 ? 0.5 - angle * angle / 48 : std::sin(angle / 2) / angle;
+    return normalised({std::cos(angle / 2), factor * v});
 }
 
 Vec3 rotation_vector(const Quaternion& q) {

@@ -121,7 +121,7 @@ void RigidBodies::push(std::span<const double> loads, double dt) {
         }
     }
     apply_impulses(impulses);
-    hold(dt);
+    constrain_joints(dt);
 }
 
 // Each body by itself.
@@ -158,7 +158,7 @@ Pose RigidBodies::next_pose(std::size_t body, double dt) const {
 double RigidBodies::max_speed() const {
     double most = 0;
     for (std::size_t b = 0; b < size(); ++b) {
-        if (moves(b)) most = std::max(most, length(velocity(b)) + length(spin(b)) * setup_.bodies[b].reach);
+        if (moves(b)) most = std::max(most, length(velocity(b)) + length(spin(b)) * setup_.bodies[b].bounding_radius);
     }
     return most;
 }

@@ -43,7 +43,7 @@ struct BodySetup {
     double restitution = 0, friction = 0;
     std::vector<scene::SolidRegion> region; // one: the solid at the start
     std::vector<ContactSample> probes;      // that touch other bodies and walls
-    double reach = 0;                       // [m] from the centre to the farthest point of the surface
+    double bounding_radius = 0;             // [m] from the centre to the farthest point of the surface
 };
 
 // A side of the domain that stops bodies, at right angles to an axis.
@@ -178,7 +178,7 @@ private:
     double meet(double dt, Impacts impacts);
     void solve(const std::vector<Contact>& contacts, double dt);
     void advance(double dt);
-    void hold(double dt);
+    void constrain_joints(double dt);
     std::array<double, 6> own_momentum(std::size_t body) const;
     void begin_load_sums();
     void close_ledger(double dt);

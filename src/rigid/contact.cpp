@@ -25,7 +25,8 @@ public:
     Finder(const RigidBodies& bodies, double dt) : bodies_(bodies), setup_(bodies.setup()), dt_(dt) {
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             const double speed =
-                bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * setup_.bodies[b].reach : 0.0;
+                bodies.moves(b) ? length(bodies.velocity(b)) + length(bodies.spin(b)) * setup_.bodies[b].bounding_radius
+                                : 0.0;
             margins_.push_back(0.02 * setup_.spacing + dt * (speed + dt * length(setup_.gravity)));
         }
     }
@@ -40,7 +41,7 @@ public:
                     near.push_back(b);
             }
             if (near.empty()) continue;
-            place(a, near);
+            pose_solids(a, near);
             for (const std::size_t b : near) {
                 if (!bodies_.dynamic(b) || b > a) meet_body(a, b);
             }
@@ -50,13 +51,13 @@ public:
 
 private:
     // Places body a and the nearest images of those near it; notes which of these are kinematic or static.
-    void place(std::size_t a, const std::vector<std::size_t>& near) {
-        placed_.clear();
+    void pose_solids(std::size_t a, const std::vector<std::size_t>& near) {
+        posed_.clear();
         resting_.clear();
         const auto put = [&](std::size_t b, const Vec3& way) {
             const auto& body = setup_.bodies[b];
-            placed_.emplace(
-                b, PlacedSolid(body.region.front(), body.centre, bodies_.pose(a).centre - way, bodies_.pose(b).turn));
+            posed_.emplace(
+                b, PosedSolid(body.region.front(), body.centre, bodies_.pose(a).centre - way, bodies_.pose(b).turn));
         };
         put(a, {0, 0, 0});
         for (const std::size_t b : near) {
@@ -69,14 +70,14 @@ private:
         const auto& body = setup_.bodies[a];
         const auto axis = static_cast<std::size_t>(wall.axis);
         const double margin = margins_[a];
-        if (wall.inwards * (bodies_.pose(a).centre[axis] - wall.at) > body.reach + margin) return;
-        place(a, {});
+        if (wall.inwards * (bodies_.pose(a).centre[axis] - wall.at) > body.bounding_radius + margin) return;
+        pose_solids(a, {});
         const Obstacle side(wall);
-        NearestFeatures features(placed_.at(a), side, {}, setup_.spacing);
+        NearestFeatures features(posed_.at(a), side, {}, setup_.spacing);
         features.set_turning(dt_ * length(spin(a)));
         std::vector<Contact> pair;
         const auto everywhere = [](const Vec3&, double) { return true; };
-        for_touches(features, a, {margin, body.reach}, everywhere, [&](const Touch& touch) {
+        for_touches(features, a, {margin, body.bounding_radius}, everywhere, [&](const Touch& touch) {
             pair.push_back({a, -1, touch.point - bodies_.pose(a).centre, {0, 0, 0}, touch.normal, touch.gap,
                 body.restitution, body.friction});
         });
@@ -89,7 +90,7 @@ private:
         const auto& other = setup_.bodies[b];
         if (other.region.front().inverted() || !other.region.front().closed()) return true;
         const Vec3 way = nearest_image(bodies_.pose(a).centre - bodies_.pose(b).centre, setup_.period);
-        return length(way) < setup_.bodies[a].reach + other.reach + margins_[a] + margins_[b];
+        return length(way) < setup_.bodies[a].bounding_radius + other.bounding_radius + margins_[a] + margins_[b];
     }
 
     void meet_body(std::size_t a, std::size_t b) {
@@ -102,24 +103,24 @@ private:
     // The samples of `of` against the solid of `at`; with sign -1 the contact is turned round.
     void probe(std::size_t of, std::size_t at, double sign, std::vector<Contact>& pair) const {
         const auto &body = setup_.bodies[of], &solid = setup_.bodies[at];
-        const Obstacle obstacle(placed_.at(at));
-        std::vector<const PlacedSolid*> around;
+        const Obstacle obstacle(posed_.at(at));
+        std::vector<const PosedSolid*> around;
         for (const std::size_t b : resting_) {
-            if (b != at && b != of) around.push_back(&placed_.at(b));
+            if (b != at && b != of) around.push_back(&posed_.at(b));
         }
-        NearestFeatures features(placed_.at(of), obstacle, std::move(around), setup_.spacing);
+        NearestFeatures features(posed_.at(of), obstacle, std::move(around), setup_.spacing);
         features.set_probed_rests(!bodies_.dynamic(of));
         features.set_turning(dt_ * length(spin(of) - spin(at)));
         const double restitution = std::max(body.restitution, solid.restitution);
         const double friction = std::sqrt(body.friction * solid.friction);
-        const Near near{margins_[of] + margins_[at], std::min(body.reach, solid.reach)};
+        const Near near{margins_[of] + margins_[at], std::min(body.bounding_radius, solid.bounding_radius)};
         const bool finite = solid.region.front().closed() && !solid.region.front().inverted();
-        const double reach = solid.reach + near.margin + setup_.spacing;
+        const double cutoff = solid.bounding_radius + near.margin + setup_.spacing;
         const auto within = [&](const Vec3& x, double radius) {
-            return !finite || length(x - placed_.at(at).centre()) <= reach + radius;
+            return !finite || length(x - posed_.at(at).centre()) <= cutoff + radius;
         };
         for_touches(features, of, near, within, [&](const Touch& touch) {
-            const Vec3 one = touch.point - placed_.at(of).centre(), other = touch.point - placed_.at(at).centre();
+            const Vec3 one = touch.point - posed_.at(of).centre(), other = touch.point - posed_.at(at).centre();
             if (sign > 0) {
                 pair.push_back({of, static_cast<int>(at), one, other, touch.normal, touch.gap, restitution, friction});
             } else {
@@ -131,9 +132,9 @@ private:
     template <class Within, class Report>
     void for_touches(const NearestFeatures& features, std::size_t of, const Near& near, const Within& within,
         const Report& report) const {
-        const auto& solid = placed_.at(of);
+        const auto& solid = posed_.at(of);
         for (const auto& sample : setup_.bodies[of].probes) {
-            const Vec3 x = solid.place(sample.point);
+            const Vec3 x = solid.to_world(sample.point);
             if (!within(x, sample.radius)) continue;
             const auto touch =
                 sample.radius > 0
@@ -163,7 +164,7 @@ private:
     const BodiesSetup& setup_;
     double dt_;                   // [s]
     std::vector<double> margins_; // [m] how near counts
-    std::map<std::size_t, PlacedSolid> placed_;
+    std::map<std::size_t, PosedSolid> posed_;
     std::vector<std::size_t> resting_;
     std::vector<Contact> found_;
 };

@@ -42,13 +42,13 @@ bool NearestFeatures::in_cone(const Vec3& x, const Vec3& direction) const {
     const double least = (1 - askew_) * e;
     if (probed_.distance(out) < least) return false;
     return !rests_ ||
-           std::ranges::none_of(around_, [&](const PlacedSolid* solid) { return solid->distance(out) < least; });
+           std::ranges::none_of(around_, [&](const PosedSolid* solid) { return solid->distance(out) < least; });
 }
 
 // True when a resting solid lies on the other surface at this point, so that nothing can reach it against the normal.
 bool NearestFeatures::covered(const Vec3& foot, const Vec3& normal) const {
     const double e = step * spacing_;
-    return std::ranges::any_of(around_, [&](const PlacedSolid* solid) {
+    return std::ranges::any_of(around_, [&](const PosedSolid* solid) {
         return solid->distance(foot) < e && solid->distance(foot + e * normal) < (1 - askew) * e;
     });
 }

@@ -7,9 +7,9 @@
 namespace treacle::rigid {
 
 // A solid where it stands.
-class PlacedSolid {
+class PosedSolid {
 public:
-    PlacedSolid(const scene::SolidRegion& region, const Vec3& start, const Vec3& centre, const Quaternion& turn)
+    PosedSolid(const scene::SolidRegion& region, const Vec3& start, const Vec3& centre, const Quaternion& turn)
         : region_(&region), start_(start), centre_(centre), turn_(to_matrix(turn)), back_(transposed(turn_)) {}
 
     // Signed distance [m] and outward unit normal at a point of space x [m].
@@ -17,7 +17,7 @@ public:
     Vec3 normal(const Vec3& x) const { return turn_ * region_->normal(local(x)); }
     // Vector of space of one that is fixed to the body.
     Vec3 turned(const Vec3& v) const { return turn_ * v; }
-    Vec3 place(const Vec3& at_start) const { return centre_ + turn_ * (at_start - start_); }
+    Vec3 to_world(const Vec3& at_start) const { return centre_ + turn_ * (at_start - start_); }
     const Vec3& centre() const { return centre_; }
 
 private:
@@ -38,7 +38,7 @@ struct Touch {
 // A half-space of the domain's side, or a solid.
 class Obstacle {
 public:
-    explicit Obstacle(const PlacedSolid& solid) : solid_(&solid) {}
+    explicit Obstacle(const PosedSolid& solid) : solid_(&solid) {}
     explicit Obstacle(const Wall& wall) : wall_(wall) { normal_[static_cast<std::size_t>(wall.axis)] = wall.inwards; }
 
     // Signed distance [m], negative in the obstacle, at x [m].
@@ -49,7 +49,7 @@ public:
     bool flat(const Vec3& x, double length) const; // equal normals at x and `length` [m] beside it, two ways
 
 private:
-    const PlacedSolid* solid_ = nullptr;
+    const PosedSolid* solid_ = nullptr;
     Wall wall_;
     Vec3 normal_{0, 0, 0};
 };
@@ -66,7 +66,7 @@ class NearestFeatures {
 public:
     // `around`: what else rests near the two.
     NearestFeatures(
-        const PlacedSolid& probed, const Obstacle& other, std::vector<const PlacedSolid*> around, double spacing)
+        const PosedSolid& probed, const Obstacle& other, std::vector<const PosedSolid*> around, double spacing)
         : probed_(probed), other_(other), around_(std::move(around)), spacing_(spacing) {
         set_turning(0);
     }
@@ -90,9 +90,9 @@ private:
     std::optional<Vec3> settle(const Vec3& first, double size) const;
     std::optional<Touch> along_edge(const Vec3& x, const Vec3& edge) const;
 
-    const PlacedSolid& probed_;
+    const PosedSolid& probed_;
     const Obstacle& other_;
-    std::vector<const PlacedSolid*> around_;
+    std::vector<const PosedSolid*> around_;
     double spacing_;
     bool rests_ = false;
     double askew_; // what a direction out of the cone may lose, over the way along it

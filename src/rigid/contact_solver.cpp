@@ -11,8 +11,8 @@ constexpr double settled = 1e-9;    // error of velocities, over that by gravity
 constexpr double taken_back = 0.2;  // of an overlap, per step
 constexpr double tolerated = 0.005; // overlap, in spacings, that keeps contacts closed
 constexpr double shifted = 1e-8;    // error of shifts, in spacings
-// Below this share of the free bodies' response, joints count as holding them.
-constexpr double held = 1e-9;
+// Below this fraction of the free bodies' response, joints count as constraining them.
+constexpr double constrained = 1e-9;
 
 using Eigen::Index;
 
@@ -71,7 +71,7 @@ private:
         };
         add(contact.body, contact.arm, 1);
         if (contact.other >= 0) add(static_cast<std::size_t>(contact.other), contact.other_arm, -1);
-        if (row.squaredNorm() <= held * alone) row.setZero();
+        if (row.squaredNorm() <= constrained * alone) row.setZero();
         return row;
     }
 

@@ -101,7 +101,7 @@ double RigidBodies::meet(double dt, Impacts impacts) {
 }
 
 void RigidBodies::advance(double dt) {
-    hold(dt);
+    constrain_joints(dt);
     for (std::size_t b = 0; b < size(); ++b) states_[b].pose = next_pose(b, dt);
     gone_ += dt;
 }

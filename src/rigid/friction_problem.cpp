@@ -139,15 +139,15 @@ private:
         set(impulse_);
     }
 
-    // A row that holds its velocity at `target`, by impulses along `along`.
-    struct Held {
+    // A row that constrains its velocity to `target`, by impulses along `along`.
+    struct ActiveRow {
         Index row;
         double target;
         VectorXd along;
         double multiplier;
     };
-    std::vector<Held> held() const {
-        std::vector<Held> out;
+    std::vector<ActiveRow> active_rows() const {
+        std::vector<ActiveRow> out;
         for (Index i = 0; i < contacts_; ++i) {
             const auto& verdict = verdicts_[static_cast<std::size_t>(i)];
             const Index n = 3 * i;
@@ -189,36 +189,36 @@ private:
 
     // The impulses of the present states: of z the motion and l the multipliers z = sum b l, l' = l + (target - u(z)) / softness.
     void solve_directly() {
-        auto holds = held();
+        auto active = active_rows();
         const Index m = p_.rows.cols();
         MatrixXd matrix = MatrixXd::Identity(m, m);
-        for (const auto& hold : holds)
-            matrix.noalias() += hold.along * (p_.rows.row(hold.row) / (soft * own_[hold.row]));
+        for (const auto& entry : active)
+            matrix.noalias() += entry.along * (p_.rows.row(entry.row) / (soft * own_[entry.row]));
         const Eigen::PartialPivLU<MatrixXd> factors(matrix);
         for (int k = 0; k < multipliers; ++k) {
             VectorXd right = VectorXd::Zero(m);
-            for (const auto& hold : holds) {
-                right +=
-                    (hold.multiplier + (hold.target - p_.velocity[hold.row]) / (soft * own_[hold.row])) * hold.along;
+            for (const auto& entry : active) {
+                right += (entry.multiplier + (entry.target - p_.velocity[entry.row]) / (soft * own_[entry.row])) *
+                         entry.along;
             }
             const VectorXd z = factors.solve(right);
             double change = 0;
-            for (auto& hold : holds) {
-                const double missing = hold.target - p_.velocity[hold.row] - p_.rows.row(hold.row).dot(z);
-                hold.multiplier += missing / (soft * own_[hold.row]);
+            for (auto& entry : active) {
+                const double missing = entry.target - p_.velocity[entry.row] - p_.rows.row(entry.row).dot(z);
+                entry.multiplier += missing / (soft * own_[entry.row]);
                 change = std::max(change, std::abs(missing));
             }
             if (change <= 0.1 * tolerance_) break;
         }
         VectorXd impulse = VectorXd::Zero(3 * contacts_);
-        for (const auto& hold : holds) {
-            impulse[hold.row] = hold.multiplier;
-            const auto i = hold.row / 3;
+        for (const auto& entry : active) {
+            impulse[entry.row] = entry.multiplier;
+            const auto i = entry.row / 3;
             const auto& verdict = verdicts_[static_cast<std::size_t>(i)];
-            if (hold.row % 3 != 0 || verdict.state != State::slides) continue;
+            if (entry.row % 3 != 0 || verdict.state != State::slides) continue;
             for (int t = 0; t < 2; ++t) {
-                impulse[hold.row + 1 + t] =
-                    p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * hold.multiplier;
+                impulse[entry.row + 1 + t] =
+                    p_.friction[static_cast<std::size_t>(i)] * verdict.slip[t] * entry.multiplier;
             }
         }
         set(impulse);

@@ -12,7 +12,7 @@ constexpr int corrections = 30;
 constexpr double closed = 1e-12; // gap, in spacings, at which correcting ends
 constexpr double open = 1e-2;    // gap, in spacings, that ends the run
 
-Placed placed(const BodiesSetup& setup, const std::vector<Pose>& poses, int body) {
+BodyFrame frame_of(const BodiesSetup& setup, const std::vector<Pose>& poses, int body) {
     if (body < 0) return {};
     const auto b = static_cast<std::size_t>(body);
     return {poses[b], setup.bodies[b].centre};
@@ -38,7 +38,7 @@ std::vector<ConstraintRow> RigidBodies::joint_rows() const {
     std::vector<ConstraintRow> rows;
     for (const auto& joint : setup_.joints) {
         append_rows(
-            joint, placed(setup_, poses, static_cast<int>(joint.body)), placed(setup_, poses, joint.other), rows);
+            joint, frame_of(setup_, poses, static_cast<int>(joint.body)), frame_of(setup_, poses, joint.other), rows);
     }
     return rows;
 }
@@ -47,7 +47,7 @@ std::vector<double> RigidBodies::gaps(const std::vector<Pose>& poses) const {
     std::vector<double> out;
     for (const auto& joint : setup_.joints) {
         append_gaps(
-            joint, placed(setup_, poses, static_cast<int>(joint.body)), placed(setup_, poses, joint.other), out);
+            joint, frame_of(setup_, poses, static_cast<int>(joint.body)), frame_of(setup_, poses, joint.other), out);
     }
     return out;
 }
@@ -67,7 +67,7 @@ ConstrainedInverseMass RigidBodies::mobility() const {
 // Impulses of the joints where the bodies are, such that the motion of the step ends with closed joints
 // (SHAKE, Ryckaert et al. 1977): no drift, and as the motion without joints symplectic. The velocities are
 // those along the chords of the step.
-void RigidBodies::hold(double dt) {
+void RigidBodies::constrain_joints(double dt) {
     if (setup_.joints.empty() || !(dt > 0)) return;
     const auto together = mobility();
     double gap = 0;

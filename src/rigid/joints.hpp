@@ -18,20 +18,21 @@ struct JointSetup {
 };
 
 // Pose of a body, and its centre at the start; none for the world.
-struct Placed {
+struct BodyFrame {
     Pose pose;
     Vec3 start{0, 0, 0}; // [m]
 
-    // Present place of a point given at the start [m]; in the world the same.
-    Vec3 place(const Vec3& at_start) const { return pose.centre + to_matrix(pose.turn) * (at_start - start); }
+    // Present position of a point given at the start [m]; in the world the same.
+    Vec3 to_world(const Vec3& at_start) const { return pose.centre + to_matrix(pose.turn) * (at_start - start); }
 };
 
 // The conditions of a joint, with both bodies where they are: no relative velocity of the point that the
 // first one carries, no relative rotation but about a hinge's axis; of a slider no relative motion but along
 // its axis.
-void append_rows(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<ConstraintRow>& rows);
+void append_rows(
+    const JointSetup& joint, const BodyFrame& body, const BodyFrame& other, std::vector<ConstraintRow>& rows);
 
 // Distance of each of them from being met [m]; the rows hold their rates.
-void append_gaps(const JointSetup& joint, const Placed& body, const Placed& other, std::vector<double>& gaps);
+void append_gaps(const JointSetup& joint, const BodyFrame& body, const BodyFrame& other, std::vector<double>& gaps);
 
 } // namespace treacle::rigid

@@ -86,7 +86,7 @@ void declare_locked(Declaration& d, Body& body) {
 } // namespace
 
 void Body::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages, overrides and results call it.");
     d.choice<BodyKind>("kind", kind,
         {{"static", BodyKind::fixed}, {"kinematic", BodyKind::kinematic}, {"dynamic", BodyKind::dynamic}},

@@ -47,7 +47,7 @@ void Camera::declare(Declaration& d) {
     if (d.parsing()) {
         automatic = !d.given("position") && !d.given("file") && !d.given("lens");
         size_given = d.given("width") || d.given("height");
-        where = d.place_of("file");
+        where = d.location_of("file");
     }
     d.text("file", file,
         "A camera file of `treacle calibrate`, OpenCV, ViRheometry or COLMAP, relative to the scene: pictures are "

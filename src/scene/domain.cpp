@@ -123,7 +123,7 @@ Domain Domain::with_images() const {
 }
 
 void Face::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.choice<BoundaryKind>("kind", kind,
         {{"wall", BoundaryKind::wall}, {"open", BoundaryKind::open}, {"periodic", BoundaryKind::periodic}},
         "Whether liquid stops here, leaves, or enters again at the opposite side.");
@@ -190,7 +190,7 @@ void Domain::declare(Declaration& d) {
         range_above(0).because("it is the distance of neighbouring particles", "write for instance 5 mm"),
         "Distance of neighbouring particles, or width of the grid's cells.");
     d.required("spacing");
-    if (d.parsing()) where = d.place_of("spacing");
+    if (d.parsing()) where = d.location_of("spacing");
     d.vec3("gravity", gravity, unit::acceleration, "Acceleration; in a plane scene by default [0, -9.81].");
     // Not kept: gravity holds it from here on, and effective.yaml states that.
     double tilt = 0;

@@ -10,7 +10,7 @@ using Alternative = Declaration::Alternative;
 
 const Range positive_length = range_above(0).because("it is a length of the opening", "write for instance 5 mm");
 
-void declare_place(Declaration& d, Inlet& inlet) {
+void declare_position(Declaration& d, Inlet& inlet) {
     d.vec3("centre", inlet.centre, unit::length, "Middle of the opening.");
     d.required("centre");
     d.direction("direction", inlet.direction, "Where the liquid flows to, of any length: the normal of the opening.",
@@ -19,14 +19,14 @@ void declare_place(Declaration& d, Inlet& inlet) {
 }
 
 void declare_disc(Declaration& d, Inlet& inlet) {
-    declare_place(d, inlet);
+    declare_position(d, inlet);
     d.number(
         "radius", inlet.radius, unit::length, positive_length, "Radius of the opening; in the plane half its width.");
     d.required("radius");
 }
 
 void declare_rectangle(Declaration& d, Inlet& inlet) {
-    declare_place(d, inlet);
+    declare_position(d, inlet);
     d.number("width", inlet.width, unit::length, positive_length, "Extent of the opening along `along`.");
     d.required("width");
     const bool plane = d.plane_vectors();
@@ -43,7 +43,7 @@ void declare_rectangle(Declaration& d, Inlet& inlet) {
 } // namespace
 
 void Inlet::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages call it.");
     d.text("liquid", liquid, "Name of the liquid that flows in; may be left out when there is one only.");
     d.one_of<InletShape>(shape,
@@ -66,7 +66,7 @@ void Inlet::declare(Declaration& d) {
 }
 
 void Outlet::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages call it.");
     const auto box = [this](Declaration& m) {
         m.vec3("min", min, unit::length, "Lower corner.");

@@ -5,7 +5,7 @@
 namespace treacle::scene {
 
 void Joint::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages call it.");
     d.choice<JointKind>("kind", kind,
         {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}},

@@ -71,7 +71,7 @@ void declare_motion(Declaration& d, Liquid& liquid) {
 } // namespace
 
 void Liquid::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     declare_name(d, name, "How messages, overrides and results call it; by default its material.");
     d.choice("material", material, material_choices(),
         "Preset of `treacle materials`, for the density, viscosity and surface tension that are not given.");

@@ -73,7 +73,7 @@ const std::vector<std::string>& frame_fields() {
 }
 
 void Time::declare(Declaration& d) {
-    if (d.parsing()) where = d.place_of(d.given("step") ? "step" : "min_step");
+    if (d.parsing()) where = d.location_of(d.given("step") ? "step" : "min_step");
     d.number("end", end, unit::time, range_above(0).because("the run starts at 0", "write for instance 2 s"),
         "When the run ends.");
     d.choice<StepRule>("rule", rule, {{"cfl", StepRule::cfl}, {"fixed", StepRule::fixed}},

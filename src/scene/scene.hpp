@@ -43,7 +43,7 @@ struct Face {
 // A plane of symmetry across an axis.
 struct MirrorPlane {
     std::size_t axis = 0;
-    double place = 0; // [m] along it
+    double position = 0; // [m] along it
 };
 
 // Block `domain`.

@@ -118,7 +118,7 @@ Alternatives primitives(Shape& shape) {
 
 // A stand-in for a mesh cannot be a mesh: it could be missing as well.
 void declare_primitive(Declaration& d, Shape& shape) {
-    if (d.parsing()) shape.where = d.place();
+    if (d.parsing()) shape.where = d.location();
     d.one_of(shape.kind, primitives(shape));
 }
 
@@ -164,7 +164,7 @@ void declare_parts(Declaration& d, std::vector<Shape>& parts, const std::string&
         {"must not be empty", "it is a list of shapes", "add a shape, or write what is left as it is"});
 }
 
-void declare_placement(Declaration& d, Shape& shape) {
+void declare_pose(Declaration& d, Shape& shape) {
     d.vec3("centre", shape.centre, unit::length, "Point that the rotation leaves where it is.");
     declare_rotation(d, shape, "the centre");
     declare_inverted(d, shape);
@@ -174,7 +174,7 @@ void declare_placement(Declaration& d, Shape& shape) {
 void declare_joined(Declaration& d, Shape& shape) {
     declare_parts(
         d, shape.parts, "shapes", "The shapes: of any kind, these among them, each with its own place and rotation.");
-    declare_placement(d, shape);
+    declare_pose(d, shape);
 }
 
 void declare_difference(Declaration& d, Shape& shape) {
@@ -184,7 +184,7 @@ void declare_difference(Declaration& d, Shape& shape) {
         "from", [&](Declaration& inside) { declare_part(inside, from); }, "The shape that is cut, of any kind.");
     d.required("from");
     declare_parts(d, others, "subtract", "The shapes that are taken out of it, of any kind.");
-    declare_placement(d, shape);
+    declare_pose(d, shape);
     if (!d.parsing()) return;
     shape.parts = {from};
     shape.parts.insert(shape.parts.end(), others.begin(), others.end());
@@ -193,7 +193,7 @@ void declare_difference(Declaration& d, Shape& shape) {
 } // namespace
 
 void declare(Declaration& d, Shape& shape) {
-    if (d.parsing()) shape.where = d.place();
+    if (d.parsing()) shape.where = d.location();
     auto alternatives = primitives(shape);
     const auto add = [&](ShapeKind kind, const char* key, void (*members)(Declaration&, Shape&), const char* doc) {
         alternatives.push_back({kind, Alternative{key, [&shape, members](Declaration& m) { members(m, shape); }, doc}});

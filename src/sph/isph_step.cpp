@@ -58,8 +58,8 @@ void IsphStep::start(SolidVolumes volumes) {
         Kokkos::deep_copy(liquid_.inlet(), 0);
         inflow_->emit(liquid_, decomposition_);
     }
-    place_liquid();
-    place_solids();
+    distribute_liquid();
+    distribute_solids();
     if (volumes == SolidVolumes::keep) return;
     bodies_.mark_start(solid_);
     bodies_.set_velocities(solid_);
@@ -73,8 +73,8 @@ void IsphStep::restore(std::span<const std::int64_t> state) {
     load_balance_.restore(state, decomposition_);
     halo_.connect(decomposition_);
     solid_halo_.connect(decomposition_);
-    place_liquid();
-    place_solids();
+    distribute_liquid();
+    distribute_solids();
 }
 
 std::vector<std::int64_t> IsphStep::decomposition_state() const { return load_balance_.state(decomposition_); }
@@ -93,12 +93,12 @@ void IsphStep::repartition() {
 void IsphStep::rebalance() {
     if (!load_balance_.is_due(comm_, liquid_.store.owned())) return;
     repartition();
-    place_liquid();
-    place_solids();
+    distribute_liquid();
+    distribute_solids();
     load_balance_.note_cut(comm_, liquid_.store.owned());
 }
 
-void IsphStep::place_liquid() {
+void IsphStep::distribute_liquid() {
     auto window = migration_.to_owner(liquid_.store, decomposition_).cells;
     if (solids_unknown(setup_.options))
         window = decomposition_.box(); // solids have liquid of other ranks as neighbours
@@ -106,7 +106,7 @@ void IsphStep::place_liquid() {
     halo_.rebuild(liquid_.store, cells_);
 }
 
-void IsphStep::place_solids() {
+void IsphStep::distribute_solids() {
     const auto occupied = migration_.to_owner(solid_.store, decomposition_).cells;
     // The whole box, not only the cells with solids: liquid anywhere in it may be near the solids of other ranks, and
     // it moves on before the solids are placed anew.
@@ -133,8 +133,8 @@ void IsphStep::update_density(StepReport& report) {
 }
 
 void IsphStep::refresh() {
-    place_liquid();
-    if (bodies_.any_moves()) place_solids();
+    distribute_liquid();
+    if (bodies_.any_moves()) distribute_solids();
     find_neighbours();
     compute_density(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
     Kokkos::deep_copy(liquid_.role(), static_cast<int>(Role::poisson));
@@ -148,7 +148,7 @@ void IsphStep::accelerate(StepReport& report, double dt) {
     apply_skin_friction(
         parts(), {setup_.forces.skin_friction, bodies_.moment_reference_points(), dt}, report.viscous_loads);
     if (surface_tension_) surface_tension_->accelerate(parts(), dt);
-    if (inflow_) inflow_->hold(liquid_);
+    if (inflow_) inflow_->prescribe(liquid_);
 }
 
 // (S4v)
@@ -199,7 +199,7 @@ void IsphStep::spread(int times) {
     const StepContext loose{options, setup_.constants, comm_, liquid_, solid_, neighbours_, halo_, cells_};
     for (int k = 0; k < times; ++k) {
         StepReport report;
-        place_liquid();
+        distribute_liquid();
         find_neighbours();
         update_density(report);
         const double count = comm_.sum(double(liquid_.store.owned()));
@@ -221,7 +221,7 @@ void IsphStep::push_by_pressure(StepReport& report, double dt) {
         report.stopped = stop_at_walls(parts(), {bodies_.moment_reference_points(), dt}, loads);
     }
     report.loads = std::move(loads);
-    if (inflow_) inflow_->hold(liquid_);
+    if (inflow_) inflow_->prescribe(liquid_);
     if (!bodies_.any_dynamic()) return;
     comm_.sum(std::span(report.loads));
     bodies_.rigid.push(bodies_.loads_of(report.loads), dt);
@@ -233,13 +233,13 @@ void IsphStep::move(StepReport& report, double dt) {
     if (smooth) {
         halo_.gather(liquid_.store, {liquid_.velocity_field()});
         compute_xsph(setup_.options, setup_.constants, liquid_, solid_, neighbours_);
-        clear_held(liquid_, liquid_.acceleration());
+        clear_prescribed(liquid_, liquid_.acceleration());
     }
-    const bool shifts = setup_.options.pressure.recovers_places();
+    const bool shifts = setup_.options.pressure.recovers_positions();
     const auto gone = move_particles(setup_.domain, liquid_, dt, smooth || shifts ? Use::yes : Use::no);
     if (bodies_.any_moves()) {
         bodies_.rigid.move(dt);
-        bodies_.place(solid_);
+        bodies_.update_positions(solid_);
     }
     if (inflow_) inflow_->pass(liquid_, dt);
     report.imbalance = load_imbalance(comm_, liquid_.store.owned());
@@ -257,9 +257,9 @@ StepReport IsphStep::advance(double dt) {
     {
         const auto phase = timers_.scope("sort");
         if (inflow_) inflow_->emit(liquid_, decomposition_);
-        place_liquid();
+        distribute_liquid();
         rebalance();
-        if (bodies_.any_moves()) place_solids();
+        if (bodies_.any_moves()) distribute_solids();
     }
     {
         const auto phase = timers_.scope("neighbours");
@@ -284,7 +284,7 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("pressure force");
         push_by_pressure(report, dt);
     }
-    if (setup_.options.pressure.recovers_places()) {
+    if (setup_.options.pressure.recovers_positions()) {
         const auto phase = timers_.scope("solve");
         pressure_.shift(parts(), bodies_.moment_reference_points(), report, dt); // (IS2)
     }
@@ -352,7 +352,7 @@ double IsphStep::stable_step(double cfl) const {
     double dt = viscous_step_limit(setup_.options.viscosity, setup_.constants, setup_.forces.viscosity);
     dt = std::min(
         dt, capillary_step_limit(setup_.options.surface_tension, setup_.constants, setup_.forces.surface_tension));
-    cfl *= setup_.constants.immiscible.step_share;
+    cfl *= setup_.constants.immiscible.time_step_factor;
     if (speed > 0) dt = std::min(dt, cfl * d / speed);
     if (pull > 0) dt = std::min(dt, cfl * std::sqrt(d / pull));
     return dt;

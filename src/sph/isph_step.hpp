@@ -91,8 +91,8 @@ public:
 private:
     void rebalance();
     void repartition();
-    void place_liquid();
-    void place_solids();
+    void distribute_liquid();
+    void distribute_solids();
     void find_neighbours();
     void update_density(StepReport& report);
     void accelerate(StepReport& report, double dt);

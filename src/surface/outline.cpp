@@ -91,7 +91,7 @@ std::vector<float> outline_distance(const Comm& comm, const Mesh& mesh, const sc
                                static_cast<std::size_t>(column)] != 0;
     };
     std::vector<double> nearness(silhouette.mask.size(), -band); // minus the distance
-    const auto reach = static_cast<int>(std::ceil(band));
+    const auto radius = static_cast<int>(std::ceil(band));
     for (const auto& edge : outline_edges(comm, mesh, seen)) {
         const Seen a = projection.at({edge.a[0], edge.a[1], edge.a[2]}),
                    b = projection.at({edge.b[0], edge.b[1], edge.b[2]});
@@ -105,8 +105,8 @@ std::vector<float> outline_distance(const Comm& comm, const Mesh& mesh, const sc
             const double x = a.x + s * (b.x - a.x), y = a.y + s * (b.y - a.y);
             if (covered(x + beside * nx, y + beside * ny)) continue;
             const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
-            for (int j = std::max(0, row - reach); j <= std::min(height - 1, row + reach); ++j) {
-                for (int i = std::max(0, column - reach); i <= std::min(width - 1, column + reach); ++i) {
+            for (int j = std::max(0, row - radius); j <= std::min(height - 1, row + radius); ++j) {
+                for (int i = std::max(0, column - radius); i <= std::min(width - 1, column + radius); ++i) {
                     auto& nearest = nearness[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
                                              static_cast<std::size_t>(i)];
                     nearest = std::max(nearest, -std::hypot(i - x, j - y));

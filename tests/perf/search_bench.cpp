@@ -57,25 +57,25 @@ public:
     explicit Ladder(const char* path) {
         std::ifstream file(path);
         for (double x = 0, f = 0; file >> x >> f;) {
-            places_.push_back(x);
+            points_.push_back(x);
             values_.push_back(f);
         }
-        if (places_.size() < 2) {
+        if (points_.size() < 2) {
             std::fprintf(stderr,
                 "search_bench: %s: no ladder; lines with the logarithm of a viscosity and a value are needed\n", path);
             std::exit(2);
         }
     }
-    double lowest() const { return places_.front(); }
-    double highest() const { return places_.back(); }
+    double lowest() const { return points_.front(); }
+    double highest() const { return points_.back(); }
     double at(double x) const {
-        const double k = (x - lowest()) / (places_[1] - places_[0]);
-        const auto last = static_cast<double>(places_.size() - 1);
+        const double k = (x - lowest()) / (points_[1] - points_[0]);
+        const auto last = static_cast<double>(points_.size() - 1);
         return values_[static_cast<std::size_t>(std::clamp(std::round(k), 0.0, last))];
     }
 
 private:
-    std::vector<double> places_, values_;
+    std::vector<double> points_, values_;
 };
 
 constexpr Limits budget{.evaluations = 320}; // 80 generations of 4

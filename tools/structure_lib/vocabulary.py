@@ -200,6 +200,21 @@ RETIRED = {
     "melt": ("screen_space_surface", ""),
 }
 
+# Words with several meanings, which are no part of a name: the terms, one for each meaning.
+AMBIGUOUS = {
+    ("place", "places", "placed", "placement", "placements"):
+        "index (array), position [m], column (halo), slot, location (file:line) or pose",
+    ("share", "shares"): "fraction, ratio, weight or coefficient",
+    ("reach", "reaches", "reached", "reachable"): "halo_width, bounding_radius, support_radius or cutoff",
+    ("hold", "holds", "held"): "prescribe (velocity), pin (pressure), constrain (degree of freedom) or contain",
+    ("grip", "grips", "gripping"): "no_slip or wall_force",
+}
+# Names of the standard library, MPI and PETSc that have them.
+FOREIGN = {"holds_alternative", "MPI_IN_PLACE", "VecPlaceArray"}
+
+NAME = re.compile(r"[A-Za-z_]\w*")
+PART = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")  # of snake_case, CapWords and UPPER_CASE
+
 # Words of comments and documents: the term.
 PHRASES = {
     "thin liquids": "low-viscosity liquids, or under-resolved films",
@@ -233,6 +248,18 @@ def names_in(text, path, names):
     found = pattern(names)
     hits = ((number, hit[0]) for number, line in enumerate(sources.code(text).splitlines(), 1) for hit in found.finditer(line))
     return [(number, name) for number, name in hits if path.startswith(RETIRED[name][1])]
+
+
+def ambiguous_names_in(text):
+    """Triples (line, name, terms) of the names in code of which a word is one of AMBIGUOUS; strings are not looked at."""
+    terms = {word: terms for words, terms in AMBIGUOUS.items() for word in words}
+    hits = ((number, hit[0]) for number, line in enumerate(sources.code(text, strings=False).splitlines(), 1) for hit in NAME.finditer(line))
+    found = []
+    for number, name in hits:
+        word = next((part.lower() for part in PART.findall(name) if part.lower() in terms), None)
+        if word and name not in FOREIGN:
+            found.append((number, name, terms[word]))
+    return found
 
 
 def uses(root, names):

@@ -56,7 +56,7 @@ struct Setting {
     Decomposition decomposition;
     CellHalo halo;
     grid::Fractions fractions;
-    std::array<grid::BodyShares, 3> shares;
+    std::array<grid::BodyFractions, 3> body_fractions;
     grid::Viscosities viscosities;
     grid::FaceField velocity;
 
@@ -64,11 +64,11 @@ struct Setting {
         cut(scene);
         halo.connect(decomposition, grid.cells.all(), 3);
         build_fractions(scene);
-        const auto places = static_cast<std::size_t>(halo.window().size());
-        viscosities.cell = Array<double>("treacle::viscosity", places);
-        for (auto& field : viscosities.edge.axis) field = Array<double>("treacle::viscosity", places);
-        for (auto& field : velocity.axis) field = Array<double>("treacle::velocity", places);
-        for (auto& of : shares) of.first = Array<int>("treacle::no_bodies", places + 1);
+        const auto window_size = static_cast<std::size_t>(halo.window().size());
+        viscosities.cell = Array<double>("treacle::viscosity", window_size);
+        for (auto& field : viscosities.edge.axis) field = Array<double>("treacle::viscosity", window_size);
+        for (auto& field : velocity.axis) field = Array<double>("treacle::velocity", window_size);
+        for (auto& of : body_fractions) of.first = Array<int>("treacle::no_bodies", window_size + 1);
     }
     void set_viscosity(double value) const {
         Kokkos::deep_copy(viscosities.cell, value);
@@ -114,7 +114,7 @@ private:
             nodes.window.cell(i, c);
             for (int corner = 0; corner < nodes.used(); ++corner) {
                 Vec3 x;
-                nodes.place(c, corner, x.data());
+                nodes.position(c, corner, x.data());
                 const auto at = static_cast<std::size_t>(grid::FineNodes::per_cell * i + corner);
                 solid_host(at) = std::min({x[0], 1 - x[0], x[1], 1 - x[1], x[2], 1 - x[2]});
                 liquid_host(at) = scene.liquid(x);
@@ -167,9 +167,9 @@ Figures measure(const Comm& comm, Setting& setting, const Scene& scene, double v
     std::vector<Timed> timed;
     for (int k = 0; k < request.repeats; ++k) {
         setting.set_velocity();
-        out.report =
-            solver.solve({setting.grid, setting.halo, setting.fractions, setting.shares, setting.viscosities, density},
-                setting.velocity, bodies, time_step);
+        out.report = solver.solve(
+            {setting.grid, setting.halo, setting.fractions, setting.body_fractions, setting.viscosities, density},
+            setting.velocity, bodies, time_step);
         const auto& solve = out.report.solve;
         const double product = product_seconds(comm, *solver.matrix()); // at once, while the machine is as it was
         timed.push_back({comm.max(solve.set_up_seconds + solve.iteration_seconds) / product,

@@ -19,7 +19,7 @@ struct ViscosityBenchRequest {
 };
 
 // `treacle bench viscosity`: the viscous system of the grid for a ball of liquid over a pool and for a thin sheet on one, in
-// a cube of 1 m with walls that grip, 1000 kg/m3, dt 0.01 s, after gravity and random momenta; iterations and work with
+// a cube of 1 m with no-slip walls, 1000 kg/m3, dt 0.01 s, after gravity and random momenta; iterations and work with
 // each preconditioner. Collective. Throws InputError for a preconditioner that there is not.
 ExitCode run_viscosity_bench(const Comm& comm, const ViscosityBenchRequest& request);
 

@@ -14,8 +14,8 @@ namespace treacle::app {
 
 namespace {
 
-// Above it a share of thin liquid is more than the rounding of edges and curved faces to the lattice.
-constexpr double notable_thin_share = 0.2;
+// Above it a fraction of thin liquid is more than the rounding of edges and curved faces to the lattice.
+constexpr double notable_thin_fraction = 0.2;
 
 // Share of a surface where a solid is thinner than the spacing that is more than edges, as for meshes.
 constexpr double notable_thin_surface = 0.01;
@@ -223,8 +223,9 @@ void Report::steps() {
     row("limit by speed", step_text(estimates_.courant_step) + " at " + short_number(estimates_.speed) + " m/s, " +
                               (estimates_.initial_speed < estimates_.speed ? "sqrt(g H)" : "as at the start"));
     row("limit by gravity", step_text(estimates_.gravity_step));
-    const double share = sph::step_share(liquid_materials(at_.input));
-    if (share < 1) row("", "both with " + short_number(share) + " of time.cfl, the root of the ratio of the densities");
+    const double factor = sph::time_step_factor(liquid_materials(at_.input));
+    if (factor < 1)
+        row("", "both with " + short_number(factor) + " of time.cfl, the root of the ratio of the densities");
     if (std::isfinite(estimates_.capillary_step)) row("limit by capillarity", step_text(estimates_.capillary_step));
     row("limit by viscosity", std::isfinite(estimates_.viscous_step) ? step_text(estimates_.viscous_step)
                                                                      : "none, no viscosity or an implicit one");
@@ -256,10 +257,10 @@ void Report::numbers() {
 }
 
 void Report::warnings() {
-    const auto shares = thin_shares(at_.preview, scene().liquids.size());
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        if (shares[i] <= notable_thin_share) continue;
-        warn("liquids." + scene().liquids[i].name + ": " + short_number(std::round(100 * shares[i])) +
+    const auto fractions = thin_fractions(at_.preview, scene().liquids.size());
+    for (std::size_t i = 0; i < fractions.size(); ++i) {
+        if (fractions[i] <= notable_thin_fraction) continue;
+        warn("liquids." + scene().liquids[i].name + ": " + short_number(std::round(100 * fractions[i])) +
              " % of it is thinner than three spacings: refine domain.spacing");
     }
     for (const auto& note : at_.geometry.notes) warn(note);

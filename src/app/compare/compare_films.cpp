@@ -111,10 +111,10 @@ void FilmComparison::look_at(const RunView& run) {
     drawn_ = &run;
 }
 
-void FilmComparison::compare_reached(const RunView& run) {
-    const double reached = run.frames.back().time + same_frame;
+void FilmComparison::compare_up_to(const RunView& run) {
+    const double up_to = run.frames.back().time + same_frame;
     const auto due =
-        std::size_t(std::ranges::upper_bound(frames_, reached, {}, &identify::ObservedFrame::time) - frames_.begin());
+        std::size_t(std::ranges::upper_bound(frames_, up_to, {}, &identify::ObservedFrame::time) - frames_.begin());
     const auto turn = std::size_t(comm_.size());
     if (residuals_.frames.size() + turn > due) return;
     look_at(run);

@@ -28,7 +28,7 @@ public:
         std::filesystem::path folder);
 
     // Compares the masks that a run under way has reached meanwhile, one mask per rank at a time; other ranks block.
-    void compare_reached(const RunView& run);
+    void compare_up_to(const RunView& run);
     // All others, and then writes residuals_NAME.csv and mismatches_NAME.csv. The run has ended.
     void complete(const RunView& run);
     identify::FilmMismatches mismatches() const; // so far

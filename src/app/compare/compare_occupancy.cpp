@@ -10,8 +10,8 @@ using identify::Experiment;
 using identify::OccupancyWindow;
 
 // Positions of the thread in each frame, of film and run [px].
-struct ThreadPlaces {
-    explicit ThreadPlaces(std::size_t frames) : film(frames), run(frames) {}
+struct ThreadColumns {
+    explicit ThreadColumns(std::size_t frames) : film(frames), run(frames) {}
     std::vector<double> film, run;
 };
 
@@ -22,9 +22,9 @@ struct DrawnFilm {
     const std::filesystem::path& masks;
 };
 
-// Sums of the frames [begin, end), whose masks are kept. Collective; `places` are those of this rank's frames, and 0 for others.
+// Sums of the frames [begin, end), whose masks are kept. Collective; `columns` are those of this rank's frames, and 0 for others.
 OccupancyWindow sum_window(
-    const Comm& comm, const DrawnFilm& drawn_film, std::size_t begin, std::size_t end, ThreadPlaces& places) {
+    const Comm& comm, const DrawnFilm& drawn_film, std::size_t begin, std::size_t end, ThreadColumns& columns) {
     auto& film = drawn_film.drawer;
     const auto& frames = film.frames();
     const auto& lens = film.camera().lens();
@@ -41,8 +41,8 @@ OccupancyWindow sum_window(
             const auto drawn = film.draw(k);
             video::write_mask(drawn_film.masks / frames[k].mask.filename(), drawn.now.mask);
             add(drawn);
-            places.film[k] = identify::thread_place(mask);
-            places.run[k] = identify::thread_place(drawn.now.mask);
+            columns.film[k] = identify::thread_column(mask);
+            columns.run[k] = identify::thread_column(drawn.now.mask);
             if (drawn_film.experiment.occupancy.mirror != identify::MirrorAxis::none) add(film.draw_mirrored(k));
         }
     });
@@ -64,20 +64,20 @@ void compare_occupancy(const Comm& comm, const identify::StudyFile& file, const 
     const auto& frames = film->frames();
     const auto windows = identify::windows_of(frames.size(), experiment.occupancy.windows);
     std::vector<OccupancyWindow> sums;
-    ThreadPlaces places(frames.size());
+    ThreadColumns columns(frames.size());
     identify::RunResiduals residuals;
     residuals.kind = identify::ExperimentKind::occupancy;
     for (const auto& [begin, end] : windows) {
-        sums.push_back(sum_window(comm, {*film, experiment, masks}, begin, end, places));
+        sums.push_back(sum_window(comm, {*film, experiment, masks}, begin, end, columns));
         residuals.frames.push_back(identify::compare_window(sums.back(), experiment.occupancy.levels, film->camera()));
         residuals.observed.push_back(sums.back().frame);
     }
     const double noise = identify::occupancy_noise(sums, experiment.occupancy.levels);
-    comm.sum(std::span<double>(places.film));
-    comm.sum(std::span<double>(places.run));
+    comm.sum(std::span<double>(columns.film));
+    comm.sum(std::span<double>(columns.run));
     std::vector<double> times;
     for (const auto& frame : frames) times.push_back(frame.time);
-    const auto filmed = identify::turning_of(times, places.film), simulated = identify::turning_of(times, places.run);
+    const auto filmed = identify::turning_of(times, columns.film), simulated = identify::turning_of(times, columns.run);
     for (std::size_t w = 0; w < windows.size(); ++w) {
         auto& one = residuals.frames[w];
         identify::scale_by_noise(one, noise);

@@ -62,12 +62,12 @@ std::string vector_text(const Vec3& x) {
     return "[" + format_number(x[0]) + ", " + format_number(x[1]) + ", " + format_number(x[2]) + "]";
 }
 
-// Distance in the sheet between the tracked ball and a place.
-double distance_in_sheet(const Experiment& experiment, const Tracked& ball, const Vec3& place) {
+// Distance in the sheet between the tracked ball and a position.
+double distance_in_sheet(const Experiment& experiment, const Tracked& ball, const Vec3& position) {
     double squared = 0;
     for (const auto& axis : {experiment.piv.right, experiment.piv.up}) {
         double along = 0;
-        for (std::size_t k = 0; k < 3; ++k) along += axis[k] * (place[k] - ball.centre[k]);
+        for (std::size_t k = 0; k < 3; ++k) along += axis[k] * (position[k] - ball.centre[k]);
         squared += along * along;
     }
     return std::sqrt(squared);
@@ -131,8 +131,8 @@ void check_domain(const Experiment& experiment, const identify::ObservedSheet& s
 identify::ObservedSheet observed_sheet(const StudyFile& file, const Experiment& experiment, const Input& input) {
     std::optional<Tracked> ball;
     if (experiment.piv.has_track()) ball.emplace(file, experiment, input.scene);
-    const double reach = experiment.piv.window / std::sqrt(2.0); // to the window's corner
-    const auto touches = [&](const Vec3& x, double time) { return ball->distance(x, time) < reach; };
+    const double radius = experiment.piv.window / std::sqrt(2.0); // to the window's corner
+    const auto touches = [&](const Vec3& x, double time) { return ball->distance(x, time) < radius; };
     return identify::observe_sheet(
         experiment, [&](const std::string& name) { return file.beside(name); },
         ball ? identify::Touches(touches) : identify::Touches());

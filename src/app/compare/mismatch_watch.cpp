@@ -19,7 +19,7 @@ bool MismatchWatch::look() {
     }
     std::vector<identify::FilmMismatches> films;
     for (auto& one : comparisons_) {
-        one.compare_reached(*run_);
+        one.compare_up_to(*run_);
         films.push_back(one.mismatches());
     }
     bound_ = identify::mismatch_bound(films, cut_);

@@ -44,12 +44,12 @@ identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify:
 
 Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer,
     const std::string& liquid, const std::vector<double>& rates) {
-    constexpr double share = 0.01; // of the range: linear, far above round-off
+    constexpr double fraction = 0.01; // of the range: linear, far above round-off
     const auto here = *curve_at(file, liquid, answer);
     Eigen::MatrixXd out(Eigen::Index(rates.size()), Eigen::Index(file.searched));
     for (std::size_t k = 0; k < file.searched; ++k) {
         auto values = answer;
-        const double step = identify::move_along(file.study.parameters[k], share, values[k]);
+        const double step = identify::move_along(file.study.parameters[k], fraction, values[k]);
         const auto there = *curve_at(file, liquid, values);
         for (std::size_t i = 0; i < rates.size(); ++i)
             out(Eigen::Index(i), Eigen::Index(k)) = std::log(there(rates[i]) / here(rates[i])) / step;

@@ -19,7 +19,7 @@ void Input::declare(Declaration& d) {
 }
 
 void MethodOptions::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.choice<MethodKind>("kind", kind, {{"sph", MethodKind::sph}, {"grid", MethodKind::grid}},
         "Hybrid incompressible SPH (dissertation, chapters 2 to 4), whose options follow; or particles in "
         "a MAC grid (chapter 5), whose options stand in the block grid.");

@@ -14,8 +14,8 @@ std::string short_number(double value) { return identify::digits(value); }
 
 std::string grouped(std::uint64_t count) {
     std::string out = std::to_string(count);
-    for (auto place = static_cast<int>(out.size()) - 3; place > 0; place -= 3) {
-        out.insert(static_cast<std::size_t>(place), " ");
+    for (auto index = static_cast<int>(out.size()) - 3; index > 0; index -= 3) {
+        out.insert(static_cast<std::size_t>(index), " ");
     }
     return out;
 }

@@ -91,7 +91,7 @@ ScalarField scalar_field(const io::Frame& frame, const std::string& name) {
 
 void add_images(io::Frame& frame, const std::vector<scene::MirrorPlane>& planes) {
     for (const auto& plane : planes) {
-        surface::add_image(frame.positions, plane.axis, 2 * plane.place);
+        surface::add_image(frame.positions, plane.axis, 2 * plane.position);
         for (auto& column : frame.fields) {
             auto* reals = std::get_if<std::vector<double>>(&column.values);
             if (reals && column.components == 3)

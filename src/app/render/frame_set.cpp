@@ -16,7 +16,7 @@ namespace {
         "write first:last:stride, such as 10:20, ::5, or -1 for the last one"});
 }
 
-std::optional<std::int64_t> read_place(const std::string& part, const std::string& text) {
+std::optional<std::int64_t> read_index(const std::string& part, const std::string& text) {
     if (part.empty()) return std::nullopt;
     std::int64_t value = 0;
     const auto* end = part.data() + part.size();
@@ -25,15 +25,15 @@ std::optional<std::int64_t> read_place(const std::string& part, const std::strin
     return value;
 }
 
-std::size_t place_of(std::int64_t asked, std::size_t count) {
+std::size_t index_of(std::int64_t asked, std::size_t count) {
     const auto size = static_cast<std::int64_t>(count);
-    const auto place = asked < 0 ? asked + size : asked;
-    if (place < 0 || place >= size) {
+    const auto index = asked < 0 ? asked + size : asked;
+    if (index < 0 || index >= size) {
         throw InputError({"--frames", "there is no frame " + std::to_string(asked),
             "there are " + std::to_string(count) + ", counted from 0",
             "choose one between 0 and " + std::to_string(size - 1)});
     }
-    return static_cast<std::size_t>(place);
+    return static_cast<std::size_t>(index);
 }
 
 } // namespace
@@ -43,24 +43,24 @@ FrameRange read_frame_range(const std::string& text) {
     if (text.empty()) return range;
     const auto parts = split(text, ':');
     if (parts.size() > 3) refuse_range(text, "it has more than three parts");
-    range.first = read_place(parts[0], text);
-    range.last = parts.size() > 1 ? read_place(parts[1], text) : range.first;
-    if (parts.size() > 2) range.stride = read_place(parts[2], text).value_or(1);
+    range.first = read_index(parts[0], text);
+    range.last = parts.size() > 1 ? read_index(parts[1], text) : range.first;
+    if (parts.size() > 2) range.stride = read_index(parts[2], text).value_or(1);
     if (range.stride < 1) refuse_range(text, "the stride must be at least 1");
     return range;
 }
 
 std::vector<std::size_t> pick_frames(const FrameRange& range, std::size_t count) {
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> indices;
     if (count > 0) {
-        const auto first = place_of(range.first.value_or(0), count);
-        const auto last = place_of(range.last.value_or(-1), count);
-        for (auto i = first; i <= last; i += static_cast<std::size_t>(range.stride)) places.push_back(i);
+        const auto first = index_of(range.first.value_or(0), count);
+        const auto last = index_of(range.last.value_or(-1), count);
+        for (auto i = first; i <= last; i += static_cast<std::size_t>(range.stride)) indices.push_back(i);
     }
-    if (places.empty()) {
+    if (indices.empty()) {
         throw InputError({"--frames", "no frame is left", "the first one comes after the last one", "swap the two"});
     }
-    return places;
+    return indices;
 }
 
 std::size_t nearest_frame(const RunView& run, double time) {

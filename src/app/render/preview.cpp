@@ -26,17 +26,17 @@ public:
         }
         for (std::size_t k = 0; k < 3; ++k) size_[k] = high[k] - low_[k] + 1;
         taken_.assign(static_cast<std::size_t>(size_[0] * size_[1] * size_[2]), 0);
-        for (const auto& i : indices_) taken_[place(i)] = 1;
+        for (const auto& i : indices_) taken_[slot_of(i)] = 1;
     }
 
-    double thin_share() const {
+    double thin_fraction() const {
         std::vector<char> thick(taken_.size(), 0);
         for (const auto& i : indices_) {
             bool full = true;
             around(i, [&](std::size_t p) { full = full && taken_[p]; });
             if (full) around(i, [&](std::size_t p) { thick[p] = 1; });
         }
-        const auto thin = std::ranges::count_if(indices_, [&](const Index& i) { return !thick[place(i)]; });
+        const auto thin = std::ranges::count_if(indices_, [&](const Index& i) { return !thick[slot_of(i)]; });
         return static_cast<double>(thin) / static_cast<double>(indices_.size());
     }
 
@@ -49,7 +49,7 @@ private:
         return index;
     }
 
-    std::size_t place(const Index& i) const {
+    std::size_t slot_of(const Index& i) const {
         return static_cast<std::size_t>(i[0] - low_[0] + size_[0] * (i[1] - low_[1] + size_[1] * (i[2] - low_[2])));
     }
 
@@ -58,7 +58,7 @@ private:
         const std::int64_t depth = dimensions_ == 3 ? 1 : 0;
         for (std::int64_t c = -depth; c <= depth; ++c) {
             for (std::int64_t b = -1; b <= 1; ++b) {
-                for (std::int64_t a = -1; a <= 1; ++a) visit(place({i[0] + a, i[1] + b, i[2] + c}));
+                for (std::int64_t a = -1; a <= 1; ++a) visit(slot_of({i[0] + a, i[1] + b, i[2] + c}));
             }
         }
     }
@@ -125,15 +125,16 @@ video::Image draw_preview(const Input& input, const Preview& preview) {
     return video::render_frame(picture);
 }
 
-std::vector<double> thin_shares(const Preview& preview, std::size_t liquids) {
+std::vector<double> thin_fractions(const Preview& preview, std::size_t liquids) {
     if (preview.coarsening > 1) return {};
     std::vector<std::vector<Vec3>> points(liquids);
     for (std::size_t i = 0; i < preview.liquid.positions.size(); ++i) {
         points[static_cast<std::size_t>(preview.liquid.liquids[i])].push_back(preview.liquid.positions[i]);
     }
-    std::vector<double> shares;
-    for (const auto& part : points) shares.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_share());
-    return shares;
+    std::vector<double> fractions;
+    for (const auto& part : points)
+        fractions.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_fraction());
+    return fractions;
 }
 
 } // namespace treacle::app

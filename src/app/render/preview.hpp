@@ -21,6 +21,6 @@ video::Image draw_preview(const Input& input, const Preview& preview);
 
 // Share of each liquid's particles that are in no cube (square) of three particles a side: the liquid there
 // is thinner than three spacings. Empty when the preview is coarser than the run.
-std::vector<double> thin_shares(const Preview& preview, std::size_t liquids);
+std::vector<double> thin_fractions(const Preview& preview, std::size_t liquids);
 
 } // namespace treacle::app

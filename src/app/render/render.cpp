@@ -55,14 +55,14 @@ DrawnSolids read_solids(const RunView& run, std::size_t frame_index) {
 // One range for all pictures, the same on any number of ranks: from values picked evenly out of every frame.
 video::ValueRange find_range(const Comm& comm, const RenderRequest& request, const Job& job) {
     if (request.field == no_field) return {};
-    const auto share = std::max<std::size_t>(200, values_for_range / job.frames.size());
+    const auto values_per_frame = std::max<std::size_t>(200, values_for_range / job.frames.size());
     std::vector<double> picked;
     bool magnitude = false;
     comm.guard([&] {
         for (auto i = static_cast<std::size_t>(comm.rank()); i < job.frames.size();
              i += static_cast<std::size_t>(comm.size())) {
             const auto field = scalar_field(io::read_frame(job.run.frame(job.frames[i])), request.field);
-            const auto stride = std::max<std::size_t>(1, field.values.size() / share);
+            const auto stride = std::max<std::size_t>(1, field.values.size() / values_per_frame);
             for (std::size_t k = 0; k < field.values.size(); k += stride) picked.push_back(field.values[k]);
             magnitude = magnitude || field.magnitude;
         }
@@ -283,10 +283,10 @@ video::CutPlane read_cut(const std::string& text) {
     const std::string option = "--cut";
     if (const auto sides = split_at(text, '='); sides.size() == 2) {
         const auto axis = std::string("xyz").find(sides[0]);
-        const auto place = read_quantity(sides[1], unit::length);
-        if (sides[0].size() == 1 && axis != std::string::npos && std::holds_alternative<double>(place)) {
+        const auto position = read_quantity(sides[1], unit::length);
+        if (sides[0].size() == 1 && axis != std::string::npos && std::holds_alternative<double>(position)) {
             video::CutPlane cut{{0, 0, 0}, {0, 0, 0}};
-            cut.point[axis] = std::get<double>(place);
+            cut.point[axis] = std::get<double>(position);
             cut.normal[axis] = 1;
             return cut;
         }

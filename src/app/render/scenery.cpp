@@ -11,12 +11,12 @@ namespace treacle::app {
 
 namespace {
 // From the camera to the farthest corner of the domain [m].
-double farthest(const scene::Domain& domain, const Vec3& place) {
+double farthest(const scene::Domain& domain, const Vec3& position) {
     double far = 0;
     for (int corner = 0; corner < 8; ++corner) {
         double square = 0;
         for (std::size_t k = 0; k < 3; ++k)
-            square += std::pow((corner >> k & 1 ? domain.max[k] : domain.min[k]) - place[k], 2);
+            square += std::pow((corner >> k & 1 ? domain.max[k] : domain.min[k]) - position[k], 2);
         far = std::max(far, std::sqrt(square));
     }
     return far;

@@ -48,7 +48,7 @@ void set_ball(video::SeenSolid& solid, const scene::Bounds& bounds) {
 
 void add_image(scene::Bounds& bounds, const scene::MirrorPlane& mirror) {
     const auto k = mirror.axis;
-    const double low = 2 * mirror.place - bounds.max[k], high = 2 * mirror.place - bounds.min[k];
+    const double low = 2 * mirror.position - bounds.max[k], high = 2 * mirror.position - bounds.min[k];
     bounds.min[k] = std::min(bounds.min[k], low);
     bounds.max[k] = std::max(bounds.max[k], high);
 }

@@ -25,7 +25,7 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
     for (auto& field : store.fields()) {
         if (field.role != FieldRole::state) continue;
         const auto name = prefix + "/" + field.name;
-        const auto place = [&](const auto& rows) {
+        const auto fill = [&](const auto& rows) {
             if (!sized) store.resize_owned(static_cast<int>(rows.size()));
             sized = true;
             std::visit([&](const auto& view) { set_rows(view, rows.values); }, field.array);
@@ -33,9 +33,9 @@ void read_store(const io::CheckpointReader& reader, const std::string& prefix, P
         const bool real =
             std::holds_alternative<Array<double>>(field.array) || std::holds_alternative<Array3>(field.array);
         if (real) {
-            place(reader.distributed<double>(name));
+            fill(reader.distributed<double>(name));
         } else {
-            place(reader.distributed<std::int64_t>(name));
+            fill(reader.distributed<std::int64_t>(name));
         }
     }
 }

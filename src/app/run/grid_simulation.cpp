@@ -53,7 +53,7 @@ GridSimulation::GridSimulation(const Comm& comm, const Input& input, const Geome
 
 const ParticleStore& GridSimulation::solid_points() {
     if (!points_) points_.emplace(comm(), geometry_);
-    points_->place(solver_.bodies());
+    points_->move_points(solver_.bodies());
     return points_->store();
 }
 

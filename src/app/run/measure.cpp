@@ -80,7 +80,8 @@ struct HeightGauge {
 HeightGauge make_height_gauge(const Vec3& position, const scene::Domain& domain, const LiquidView& view) {
     const auto [axis, sign] = upwards(domain);
     const auto u = static_cast<std::size_t>(axis);
-    HeightGauge out{{position[0], position[1], position[2]}, view.reach, axis, domain.dimensions, sign, 0, 0, 0, 1};
+    HeightGauge out{
+        {position[0], position[1], position[2]}, view.support_radius, axis, domain.dimensions, sign, 0, 0, 0, 1};
     out.floor = sign > 0 ? domain.min[u] : -domain.max[u];
     out.step = 0.5 * view.spacing;
     // A level below and two above: the profile starts and ends with what liquid pressed to a side has beyond it.
@@ -108,9 +109,9 @@ std::vector<double> wet_levels(const HeightGauge& gauge, const Chosen& chosen, c
             const double y = (gauge.way * x(i, gauge.up) - gauge.floor) / gauge.step;
             const int nearest = static_cast<int>(math::floor(y));
             for (int k = nearest - 2; k <= nearest + 3; ++k) {
-                const double share = weight * (1 - math::fabs(y - k) * gauge.step / d) / unit;
-                if (share <= 0 || k < 0 || k >= gauge.levels) continue;
-                Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(share));
+                const double fraction = weight * (1 - math::fabs(y - k) * gauge.step / d) / unit;
+                if (fraction <= 0 || k < 0 || k >= gauge.levels) continue;
+                Kokkos::atomic_add(&counts(k), static_cast<std::int64_t>(fraction));
             }
         });
     const auto host = on_host(counts);
@@ -138,7 +139,7 @@ double measure_flow(const scene::Measurement& measurement, const Chosen& chosen,
     const int axis = measurement.axis;
     const double at = measurement.position[static_cast<std::size_t>(axis)];
     const auto view = solver.view();
-    const double half = view.reach / 2;
+    const double half = view.support_radius / 2;
     const auto x = view.position, u = view.velocity;
     double sum = 0;
     Kokkos::parallel_reduce(

@@ -27,10 +27,10 @@ struct LiquidView {
     Array3 position, velocity; // [m], [m/s]
     Array<int> liquid;         // index of the scene's liquid [capacity]
     int owned = 0;
-    double spacing = 0; // [m]
-    double reach = 0;   // over which a particle's surroundings are sampled [m]
-    double volume = 0;  // of a particle at rest [m3], [m2] in 2D
-    Array<int> waiting; // not 0 of liquid behind an inlet's opening; without rows where there is none
+    double spacing = 0;        // [m]
+    double support_radius = 0; // over which a particle's surroundings are sampled [m]
+    double volume = 0;         // of a particle at rest [m3], [m2] in 2D
+    Array<int> waiting;        // not 0 of liquid behind an inlet's opening; without rows where there is none
 };
 
 // State that a checkpoint holds besides the fields of the particle stores.

@@ -30,7 +30,7 @@ std::vector<rigid::ContactSample> probes_of(
 }
 
 // From the centre to the farthest corner of its bounds, which is no less than to its surface [m].
-double reach_of_bounds(const scene::SolidRegion& region, const Vec3& centre) {
+double radius_of_bounds(const scene::SolidRegion& region, const Vec3& centre) {
     const auto bounds = region.surface_bounds();
     Vec3 most{};
     for (std::size_t k = 0; k < static_cast<std::size_t>(region.dimensions()); ++k) {
@@ -100,9 +100,9 @@ rigid::BodySetup make_body(const scene::Body& body, std::size_t number, const Ge
             }
         }
     }
-    if (!probed) out.reach = reach_of_bounds(region, out.centre);
+    if (!probed) out.bounding_radius = radius_of_bounds(region, out.centre);
     for (const auto& probe : out.probes) {
-        out.reach = std::max(out.reach, distance(probe.point, out.centre) + probe.radius);
+        out.bounding_radius = std::max(out.bounding_radius, distance(probe.point, out.centre) + probe.radius);
     }
     return out;
 }
@@ -118,7 +118,7 @@ std::vector<rigid::JointSetup> make_joints(const Input& input, const std::vector
         if (!joint.to.empty()) setup.other = static_cast<int>(number_of(input, joint.to));
         setup.point = joint.point;
         for (std::size_t k = 0; k < 3; ++k) setup.axis[k] = joint.axis[k] / distance(joint.axis, {0, 0, 0});
-        setup.length_scale = bodies[setup.body].reach;
+        setup.length_scale = bodies[setup.body].bounding_radius;
         out.push_back(setup);
     }
     return out;

@@ -18,14 +18,14 @@ constexpr double touching = 1e-3;
 
 // True when some point of a coarse lattice is that deep in the body: in most bodies one is, and surfaces take long to
 // sample.
-bool surely_reaches(double depth, const scene::SolidRegion& region) {
+bool surely_as_deep(double depth, const scene::SolidRegion& region) {
     constexpr int points = 8;                 // along each axis
     const auto box = region.surface_bounds(); // of a 2D scene without end in z
     for (int n = 0; n < points * points * points; ++n) {
-        const std::array<int, 3> place{n % points, n / points % points, n / (points * points)};
+        const std::array<int, 3> index{n % points, n / points % points, n / (points * points)};
         Vec3 x{0, 0, 0};
         for (std::size_t k = 0; k < 3; ++k) {
-            if (std::isfinite(box.max[k])) x[k] = box.min[k] + (place[k] + 0.5) / points * (box.max[k] - box.min[k]);
+            if (std::isfinite(box.max[k])) x[k] = box.min[k] + (index[k] + 0.5) / points * (box.max[k] - box.min[k]);
         }
         if (region.distance(x) <= -depth) return true;
     }
@@ -35,7 +35,7 @@ bool surely_reaches(double depth, const scene::SolidRegion& region) {
 // True when the body is nowhere as thick as a spacing.
 bool thinner_than(double spacing, const scene::SolidRegion& region, const Geometry& geometry) {
     const double half = spacing / 2;
-    if (surely_reaches(half, region)) return false;
+    if (surely_as_deep(half, region)) return false;
     const auto samples = scene::sample_surface(region, on_surface(geometry, region));
     for (std::size_t i = 0; i < samples.positions.size(); ++i) {
         Vec3 x = samples.positions[i];
@@ -87,11 +87,11 @@ public:
             if (!dynamic(body(b))) continue;
             const auto bounds = geometry_.bodies[b].bounds();
             for (std::size_t k = 0; k < static_cast<std::size_t>(domain.dimensions); ++k) {
-                const double reach = touching * domain.spacing;
+                const double margin = touching * domain.spacing;
                 const bool below =
-                    domain.faces[2 * k].kind == scene::BoundaryKind::wall && bounds.min[k] < domain.min[k] - reach;
+                    domain.faces[2 * k].kind == scene::BoundaryKind::wall && bounds.min[k] < domain.min[k] - margin;
                 const bool above =
-                    domain.faces[2 * k + 1].kind == scene::BoundaryKind::wall && bounds.max[k] > domain.max[k] + reach;
+                    domain.faces[2 * k + 1].kind == scene::BoundaryKind::wall && bounds.max[k] > domain.max[k] + margin;
                 if (!below && !above) continue;
                 problems.push_back({body(b).where,
                     "bodies." + body(b).name + " reaches through the wall " + "xyz"[k] + (below ? "_min" : "_max"),
@@ -153,7 +153,7 @@ private:
         const double period = domain.max[k] - domain.min[k], length = bounds.max[k] - bounds.min[k];
         const bool turns = may_turn(body(b), k, domain.dimensions),
                    meets = std::fabs(length - period) <= 1e-6 * domain.spacing;
-        if ((turns ? 2 * setups_[b].reach : length) < period && !meets) return;
+        if ((turns ? 2 * setups_[b].bounding_radius : length) < period && !meets) return;
         const auto [given, least] = tell_apart(meets ? period : length, period);
         if (turns && (meets || length < period)) {
             problems.push_back({body(b).where, name + " may turn, and is longer than the period in " + axis + " then",

@@ -249,7 +249,7 @@ std::vector<std::string> fill_solver(const Input& input, const Geometry& geometr
         thin = static_cast<std::int64_t>(add_solids(geometry, part, solver));
     });
     solver.start();
-    if (input.method.pressure.recovers_places() && !geometry.bodies.empty()) solver.spread(spreads);
+    if (input.method.pressure.recovers_positions() && !geometry.bodies.empty()) solver.spread(spreads);
     auto notes = geometry.notes;
     for (auto& note : body_warnings(input, geometry)) notes.push_back(std::move(note));
     for (auto& note : method_notes(input)) notes.push_back(std::move(note));

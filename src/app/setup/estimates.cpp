@@ -77,7 +77,7 @@ Estimates estimate_run(const Input& input, const Geometry& geometry, std::uint64
     const auto inflow = make_inflow(input);
     for (const auto& inlet : inflow.inlets) out.initial_speed = std::max(out.initial_speed, inlet.speed);
     out.speed = std::max(out.initial_speed, std::sqrt(pull * out.length));
-    const double cfl = scene.time.cfl * sph::step_share(liquid_materials(input));
+    const double cfl = scene.time.cfl * sph::time_step_factor(liquid_materials(input));
     out.courant_step = out.speed > 0 ? cfl * d / out.speed : infinite;
     out.gravity_step = pull > 0 ? cfl * std::sqrt(d / pull) : infinite;
     const bool limited = !input.on_grid() && limiting_viscosity(input) > 0 &&

@@ -41,7 +41,7 @@ bool lies_within(const scene::Bounds& bounds, const scene::Domain& domain) {
 }
 
 // The solid of a shape, cut at the domain where its options state that; `owner` for the note.
-scene::SolidRegion place_shape(
+scene::SolidRegion make_solid(
     const scene::Shape& shape, const scene::Domain& domain, const std::string& owner, std::vector<std::string>& notes) {
     scene::SolidRegion whole(shape, domain.dimensions);
     if (!shape.clip) return whole;
@@ -69,7 +69,7 @@ scene::Shape cut_at_mirrors(const scene::Shape& shape, const scene::Domain& doma
     }
     for (const auto& mirror : domain.mirrors()) {
         const auto k = mirror.axis;
-        (domain.faces[2 * k].mirror ? kept.min : kept.max)[k] = mirror.place;
+        (domain.faces[2 * k].mirror ? kept.min : kept.max)[k] = mirror.position;
     }
     auto out = scene::clipped(shape, kept);
     out.clip = shape.clip;
@@ -112,14 +112,14 @@ Geometry build_geometry(const Input& input) {
     for (const auto& liquid : input.scene.liquids) {
         auto& regions = out.liquids.emplace_back();
         for (const auto& shape : liquid.shapes) {
-            regions.push_back(place_shape(cut_at_mirrors(shape, domain), domain, "liquids." + liquid.name, out.notes));
+            regions.push_back(make_solid(cut_at_mirrors(shape, domain), domain, "liquids." + liquid.name, out.notes));
         }
         out.pivots.push_back(pivot_of(liquid, regions));
         auto& parts = out.viscosity_regions.emplace_back();
         for (const auto& part : liquid.viscosity_regions) parts.emplace_back(part.shape, domain.dimensions);
     }
     for (const auto& body : input.scene.bodies) {
-        out.originals.push_back(place_shape(body.shape, domain, "bodies." + body.name, out.notes));
+        out.originals.push_back(make_solid(body.shape, domain, "bodies." + body.name, out.notes));
         out.spans.push_back(spanned_axes(body, out.originals.back(), domain));
         const bool spans = std::ranges::any_of(out.spans.back(), [](bool along) { return along; });
         if (spans)
@@ -149,9 +149,9 @@ scene::SurfaceSampling body_sampling(const Geometry& geometry, std::size_t body)
     }
     if (whole) return sampling;
     for (std::size_t k = 0; k < static_cast<std::size_t>(geometry.lattice.dimensions); ++k) {
-        const double reach = std::max(0.0, geometry.offset);
-        if (geometry.walls.sides[2 * k] == scene::Side::wall) sampling.clip.min[k] -= reach;
-        if (geometry.walls.sides[2 * k + 1] == scene::Side::wall) sampling.clip.max[k] += reach;
+        const double offset = std::max(0.0, geometry.offset);
+        if (geometry.walls.sides[2 * k] == scene::Side::wall) sampling.clip.min[k] -= offset;
+        if (geometry.walls.sides[2 * k + 1] == scene::Side::wall) sampling.clip.max[k] += offset;
     }
     return sampling;
 }
@@ -182,7 +182,7 @@ std::string thin_note(std::size_t samples) {
 }
 
 scene::VolumeFill liquid_fill(const Input& input, const Geometry& geometry, const scene::Lattice& lattice) {
-    const bool spreads = !input.on_grid() && input.method.pressure.recovers_places();
+    const bool spreads = !input.on_grid() && input.method.pressure.recovers_positions();
     return {geometry.liquids, geometry.bodies, spreads ? 0 : (0.5 - 1e-9) * lattice.spacing, lattice, {}};
 }
 
@@ -222,7 +222,7 @@ double available_memory() {
     return 0;
 }
 
-std::string place(const Vec3& x) {
+std::string point_text(const Vec3& x) {
     std::ostringstream out;
     out << "(" << x[0] << ", " << x[1] << ", " << x[2] << ") m";
     return out.str();
@@ -234,7 +234,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
         const auto outside = scene::find_outside(geometry.liquids[k], geometry.lattice);
         if (outside.count > 0) {
             problems.push_back({liquid.where,
-                "liquids." + liquid.name + " reaches outside of the domain, as at " + place(outside.example),
+                "liquids." + liquid.name + " reaches outside of the domain, as at " + point_text(outside.example),
                 std::to_string(outside.count) + " of its " + std::to_string(outside.total) +
                     " particles would start there",
                 "move or shrink its shapes, or enlarge domain.min and domain.max"});
@@ -245,7 +245,7 @@ void check_overlaps(const Input& input, const Geometry& geometry, std::vector<Di
             if (overlap.count == 0) continue;
             problems.push_back({liquid.where,
                 "liquids." + liquid.name + " overlaps bodies." + input.scene.bodies[b].name + ", as at " +
-                    place(overlap.example),
+                    point_text(overlap.example),
                 std::to_string(overlap.count) + " of its " + std::to_string(overlap.total) +
                     " particles would start inside the solid",
                 "move one of the two, make the liquid of shapes around the body, or set its "
@@ -323,7 +323,7 @@ double viscous_step_limit(const Input& input) {
 
 double capillary_step_limit(const Input& input) {
     auto constants = make_constants(input);
-    constants.immiscible.step_share = sph::step_share(liquid_materials(input));
+    constants.immiscible.time_step_factor = sph::time_step_factor(liquid_materials(input));
     return sph::capillary_step_limit(
         input.method.surface_tension, constants, input.scene.liquids.front().surface_tension);
 }

@@ -48,7 +48,7 @@ Vec3 width_of(const scene::Inlet& inlet, const Vec3& direction, int dimensions) 
 }
 
 // Places -n/2 d ... n/2 d, a spacing apart, of the whole spacings that fit.
-std::vector<double> places_across(double extent, double spacing) {
+std::vector<double> positions_across(double extent, double spacing) {
     const int n = std::max(1, static_cast<int>(std::floor(extent / spacing + 1e-6)));
     std::vector<double> out;
     for (int k = 0; k < n; ++k) out.push_back((k - 0.5 * (n - 1)) * spacing);
@@ -58,8 +58,8 @@ std::vector<double> places_across(double extent, double spacing) {
 std::vector<std::array<double, 2>> rectangle(const scene::Inlet& inlet, double spacing, int dimensions) {
     std::vector<std::array<double, 2>> out;
     const double width = inlet.shape == scene::InletShape::disc ? 2 * inlet.radius : inlet.width;
-    for (const double b : dimensions == 3 ? places_across(inlet.height, spacing) : std::vector<double>{0}) {
-        for (const double a : places_across(width, spacing)) out.push_back({a, b});
+    for (const double b : dimensions == 3 ? positions_across(inlet.height, spacing) : std::vector<double>{0}) {
+        for (const double a : positions_across(width, spacing)) out.push_back({a, b});
     }
     return out;
 }
@@ -75,11 +75,11 @@ double opening_of(const scene::Inlet& inlet, int dimensions) {
 std::vector<std::array<double, 2>> disc(double radius, double spacing) {
     std::vector<std::array<double, 2>> best;
     double least = std::numeric_limits<double>::infinity();
-    const int reach = static_cast<int>(std::ceil(radius / spacing)) + 1;
+    const int cells = static_cast<int>(std::ceil(radius / spacing)) + 1;
     for (const double shift : {0.0, 0.5}) {
         std::vector<std::array<double, 2>> points;
-        for (int j = -reach; j <= reach; ++j) {
-            for (int i = -reach; i <= reach; ++i) {
+        for (int j = -cells; j <= cells; ++j) {
+            for (int i = -cells; i <= cells; ++i) {
                 const double a = (i + shift) * spacing, b = (j + shift) * spacing;
                 if (a * a + b * b <= radius * radius) points.push_back({a, b});
             }
@@ -109,10 +109,10 @@ Pouring pouring_of(const Input& input) {
         const auto grid = grid::make_mac_grid(domain);
         const auto particles = grid::seeded_ids(grid);
         out.layers = grid::layers_of(grid);
-        out.layers.held = grid::inlet_body_layers;
+        out.layers.buffered = grid::inlet_body_layers;
         out.volume = std::pow(out.layers.spacing, domain.dimensions);
         out.first_id = static_cast<std::int64_t>(input.scene.liquids.size()) * particles;
-        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.held) +
+        out.behind = "a plug that pushes its liquid stands in " + std::to_string(out.layers.buffered) +
                      " particle spacings behind the opening";
         return out;
     }
@@ -122,7 +122,7 @@ Pouring pouring_of(const Input& input) {
     out.clearance = 0.5 * domain.spacing;
     const scene::Lattice lattice{domain.spacing, domain.min, domain.max, domain.dimensions};
     out.first_id = static_cast<std::int64_t>(input.scene.liquids.size() * lattice.points());
-    out.behind = "its liquid waits in " + std::to_string(out.layers.held) + " spacings behind the opening";
+    out.behind = "its liquid waits in " + std::to_string(out.layers.buffered) + " spacings behind the opening";
     return out;
 }
 
@@ -136,19 +136,19 @@ flow::InletSetup make_inlet(const Input& input, const scene::Inlet& inlet, const
     out.centre = inlet.centre;
     out.direction = unit(inlet.direction);
     out.round = inlet.shape == scene::InletShape::disc && domain.dimensions == 3;
-    auto places = out.round ? disc(inlet.radius, spacing) : rectangle(inlet, spacing, domain.dimensions);
+    auto positions = out.round ? disc(inlet.radius, spacing) : rectangle(inlet, spacing, domain.dimensions);
     // Points as far apart as their number needs to cover the opening, and layers as much nearer: neither density nor flow depends on how a
     // lattice fits into it.
     const double opening = opening_of(inlet, domain.dimensions);
     const double cover =
-        places.empty() ? 1 : opening / (double(places.size()) * std::pow(spacing, domain.dimensions - 1));
+        positions.empty() ? 1 : opening / (double(positions.size()) * std::pow(spacing, domain.dimensions - 1));
     const double stretch = domain.dimensions == 3 ? std::sqrt(cover) : cover;
-    for (auto& [a, b] : places) a *= stretch, b *= stretch;
+    for (auto& [a, b] : positions) a *= stretch, b *= stretch;
     out.step = spacing / cover;
     out.along = width_of(inlet, out.direction, domain.dimensions);
     const Vec3& first = out.along;
     const Vec3 second = cross(out.direction, first);
-    for (const auto& [a, b] : places) {
+    for (const auto& [a, b] : positions) {
         Vec3 point;
         for (std::size_t k = 0; k < 3; ++k) point[k] = a * first[k] + b * second[k];
         out.points.push_back(point);
@@ -187,9 +187,9 @@ flow::InflowSetup make_inflow(const Input& input) {
 
 namespace {
 // Positions of the particles of an inlet until they have passed it, or its plug.
-std::vector<Vec3> held_places(const flow::InletSetup& inlet, const flow::Layers& layers) {
+std::vector<Vec3> buffered_positions(const flow::InletSetup& inlet, const flow::Layers& layers) {
     std::vector<Vec3> out;
-    for (int layer = 0; layer < layers.held; ++layer) {
+    for (int layer = 0; layer < layers.buffered; ++layer) {
         for (const auto& point : inlet.points) {
             Vec3 x = inlet.centre;
             for (std::size_t k = 0; k < 3; ++k)
@@ -233,7 +233,7 @@ public:
     InletCheck(const Input& input, const Geometry& geometry, std::vector<Diagnostic>& problems)
         : input_(input), geometry_(geometry), problems_(problems), pouring_(pouring_of(input)),
           setup_(make_inflow(input)) {
-        for (const auto& inlet : setup_.inlets) places_.push_back(held_places(inlet, pouring_.layers));
+        for (const auto& inlet : setup_.inlets) positions_.push_back(buffered_positions(inlet, pouring_.layers));
     }
 
     void check(std::size_t q) {
@@ -271,7 +271,7 @@ public:
             }
         }
         for (std::size_t other = 0; other < q; ++other) {
-            if (touch(places_[q], places_[other], 0.9 * d)) {
+            if (touch(positions_[q], positions_[other], 0.9 * d)) {
                 complain(q, "touches inlets." + scene.inlets[other].name, behind, "move one of the two");
             }
         }
@@ -280,7 +280,7 @@ public:
 private:
     template <class Condition>
     bool any(std::size_t q, const Condition& condition) const {
-        return std::ranges::any_of(places_[q], condition);
+        return std::ranges::any_of(positions_[q], condition);
     }
     void complain(std::size_t q, const std::string& what, const std::string& why, const std::string& cure) {
         const auto& inlet = input_.scene.inlets[q];
@@ -292,7 +292,7 @@ private:
     std::vector<Diagnostic>& problems_;
     Pouring pouring_;
     flow::InflowSetup setup_;
-    std::vector<std::vector<Vec3>> places_;
+    std::vector<std::vector<Vec3>> positions_;
 };
 } // namespace
 
@@ -349,7 +349,7 @@ double flow_of(const Input& input, const flow::InletSetup& inlet) {
 
 std::uint64_t inflow_particles(const Input& input, const flow::InletSetup& inlet) {
     auto layers = pouring_of(input).layers;
-    if (input.on_grid()) layers.held = 0; // behind the opening there are none
+    if (input.on_grid()) layers.buffered = 0; // behind the opening there are none
     return static_cast<std::uint64_t>(flow::layers_until(inlet, layers, input.scene.time.end)) * inlet.points.size();
 }
 

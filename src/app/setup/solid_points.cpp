@@ -22,7 +22,7 @@ SolidPoints::SolidPoints(const Comm& comm, const Geometry& geometry) {
     set_rows(store_.get<Array<int>>(number), numbers);
 }
 
-void SolidPoints::place(const rigid::RigidBodies& bodies) {
+void SolidPoints::move_points(const rigid::RigidBodies& bodies) {
     std::vector<double> rows;
     rows.reserve(3 * start_.size());
     for (std::size_t i = 0; i < start_.size(); ++i) {

@@ -13,7 +13,7 @@ public:
     SolidPoints(const Comm& comm, const Geometry& geometry);
 
     // Moves the points to where the bodies are.
-    void place(const rigid::RigidBodies& bodies);
+    void move_points(const rigid::RigidBodies& bodies);
     const ParticleStore& store() const { return store_; } // fields id and body, as frames of solids have them
 
 private:

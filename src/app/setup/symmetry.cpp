@@ -17,12 +17,12 @@ std::string across(const MirrorPlane& mirror) { return std::string("across ") + 
 // Shapes that are taken together, with the names of their owners.
 struct Group {
     scene::Regions regions;
-    std::vector<std::string> owners, places; // one a region
+    std::vector<std::string> owners, locations; // one a region
 
     void add(const std::string& owner, const scene::Shape& shape, int dimensions) {
         regions.emplace_back(shape, dimensions);
         owners.push_back(owner);
-        places.push_back(shape.where);
+        locations.push_back(shape.where);
     }
     std::size_t nearest(const Vec3& x) const {
         std::size_t out = 0;
@@ -41,7 +41,7 @@ struct Unevenness {
 };
 
 Vec3 image_of(Vec3 x, const MirrorPlane& mirror) {
-    x[mirror.axis] = 2 * mirror.place - x[mirror.axis];
+    x[mirror.axis] = 2 * mirror.position - x[mirror.axis];
     return x;
 }
 
@@ -79,7 +79,7 @@ public:
             groups.back().add("bodies." + body.name, body.shape, scene.domain.dimensions);
             motion_of(body);
         }
-        if (std::ranges::any_of(groups, [this](const Group& group) { return reaches_beyond(group); })) {
+        if (std::ranges::any_of(groups, [this](const Group& group) { return extends_beyond(group); })) {
             for (const auto& group : groups) shapes_of(group);
             for (const auto& liquid : scene.liquids) motion_of(liquid);
         }
@@ -90,13 +90,13 @@ public:
 
 private:
     // A scene of which nothing does is described by its half.
-    bool reaches_beyond(const Group& group) const {
+    bool extends_beyond(const Group& group) const {
         const auto k = mirror_.axis;
         const double touching = 1e-6 * input_.scene.domain.spacing;
         const bool low = input_.scene.domain.faces[2 * k].mirror;
         return std::ranges::any_of(group.regions, [&](const auto& region) {
             const auto bounds = region.bounds();
-            return low ? bounds.min[k] < mirror_.place - touching : bounds.max[k] > mirror_.place + touching;
+            return low ? bounds.min[k] < mirror_.position - touching : bounds.max[k] > mirror_.position + touching;
         });
     }
 
@@ -107,7 +107,7 @@ private:
         if (worst.difference <= allowed * input_.scene.domain.spacing) return;
         const auto which = group.nearest(worst.at);
         problems_.push_back(
-            {group.places[which], group.owners[which] + " is not its own mirror image " + across(mirror_),
+            {group.locations[which], group.owners[which] + " is not its own mirror image " + across(mirror_),
                 "the scene is mirrored there, and half of it is run",
                 "move it so that the mirror goes through its middle, add its image, or remove the axis from "
                 "domain.symmetry"});
@@ -132,7 +132,8 @@ private:
     void motion_of(const scene::Body& body) {
         const auto k = mirror_.axis;
         const auto bounds = scene::SolidRegion(body.shape, input_.scene.domain.dimensions).bounds();
-        if (body.kind != scene::BodyKind::kinematic || bounds.min[k] >= mirror_.place || bounds.max[k] <= mirror_.place)
+        if (body.kind != scene::BodyKind::kinematic || bounds.min[k] >= mirror_.position ||
+            bounds.max[k] <= mirror_.position)
             return;
         bool across_it = body.velocity[k] != 0;
         for (std::size_t j = 0; j < 3; ++j) across_it = across_it || (j != k && body.angular_velocity[j] != 0);

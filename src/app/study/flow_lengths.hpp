@@ -1,6 +1,6 @@
 #pragma once
 #include "app/input/input.hpp"
-#include "app/study/measured_shares.hpp"
+#include "app/study/measured_fractions.hpp"
 
 namespace treacle::app {
 

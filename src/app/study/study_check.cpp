@@ -2,7 +2,7 @@
 
 #include "app/compare/experiments.hpp"
 #include "app/study/flow_lengths.hpp"
-#include "app/study/measured_shares.hpp"
+#include "app/study/measured_fractions.hpp"
 #include "app/study/study_memory.hpp"
 #include "app/study/sweep.hpp"
 #include "base/text/text.hpp"
@@ -120,7 +120,7 @@ void check_study(const std::filesystem::path& file, const std::vector<std::strin
     const bool identifies = !checked.experiments.empty();
     print_inputs(checked);
     if (identifies) {
-        const auto measured = measured_shares(checked, study_folder(study.path, {}) / "report" / "result.yaml");
+        const auto measured = measured_fractions(checked, study_folder(study.path, {}) / "report" / "result.yaml");
         leave_out_unfilmed(checked);
         for (const auto& one : checked.experiments) row("experiment " + one.name, describe_observations(checked, one));
         identify::check_searched(checked, StudyScenes(checked).reader());

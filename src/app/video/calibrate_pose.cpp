@@ -51,7 +51,7 @@ LoadedScene load(const CalibrateRequest& request, const std::string& option) {
 }
 
 // Positions of the points of the board in the scene.
-std::vector<Vec3> board_places(const std::string& text, const video::Board& board) {
+std::vector<Vec3> board_positions(const std::string& text, const video::Board& board) {
     const std::string option = "--board-in-scene";
     const auto parts = split_at(text, ';');
     if (parts.size() < 3 || parts.size() > 4)
@@ -74,9 +74,9 @@ std::vector<Vec3> board_places(const std::string& text, const video::Board& boar
     }
     std::vector<Vec3> out;
     for (const auto& p : video::board_points(board)) {
-        Vec3 place;
-        for (std::size_t k = 0; k < 3; ++k) place[k] = origin[k] + p[0] * x[k] + p[1] * y[k] - thickness * into[k];
-        out.push_back(place);
+        Vec3 position;
+        for (std::size_t k = 0; k < 3; ++k) position[k] = origin[k] + p[0] * x[k] + p[1] * y[k] - thickness * into[k];
+        out.push_back(position);
     }
     return out;
 }
@@ -89,7 +89,7 @@ std::vector<video::ScenePoint> board_points_in_scene(
     auto board = video::read_board(request.board);
     video::check_board(board);
     board.spacing = read_length("--square", request.square);
-    const auto places = board_places(request.board_in_scene, board);
+    const auto positions = board_positions(request.board_in_scene, board);
     auto read = video::read_photo(request.pose_picture);
     if (const auto* unreadable = std::get_if<video::Unreadable>(&read))
         throw InputError({request.pose_picture, "cannot be read", unreadable->reason, "give another picture"});
@@ -101,8 +101,8 @@ std::vector<video::ScenePoint> board_points_in_scene(
             "film the whole board, with a white rim around it"});
     const auto points = video::unbiased_points(seen_by.lens, board, *view);
     std::vector<video::ScenePoint> out;
-    for (std::size_t i = 0; i < places.size(); ++i)
-        out.push_back({places[i], points[i], std::max(camera.rms, 0.1), request.pose_picture});
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        out.push_back({positions[i], points[i], std::max(camera.rms, 0.1), request.pose_picture});
     const fs::path file = fs::path(request.out).parent_path() / (fs::path(request.out).stem().string() + "_board.png");
     video::write_png(file, video::draw_board_axes(request.pose_picture, board, *view));
     log.line("axes of the board: " + file.string());

@@ -38,14 +38,14 @@ Vectors sample(const PivRequest& request, const Grid& grid, RunFlow& flow, doubl
     const auto [before, after] = flow.around(time);
     const auto& a = flow.frame(before);
     const auto& b = flow.frame(after);
-    const double share = b.time > a.time ? (time - a.time) / (b.time - a.time) : 0;
+    const double fraction = b.time > a.time ? (time - a.time) / (b.time - a.time) : 0;
     Vectors out{time, {}, {}, {}};
     for (std::size_t i = 0; i < grid.size(); ++i) {
         const auto p = identify::window_velocity(request.sheet, grid.x(i), grid.y(i), a),
                    q = identify::window_velocity(request.sheet, grid.x(i), grid.y(i), b);
         out.valid.push_back(p.seen && q.seen && !p.touches && !q.touches);
-        out.u.push_back((1 - share) * p.velocity[0] + share * q.velocity[0]);
-        out.v.push_back((1 - share) * p.velocity[1] + share * q.velocity[1]);
+        out.u.push_back((1 - fraction) * p.velocity[0] + fraction * q.velocity[0]);
+        out.v.push_back((1 - fraction) * p.velocity[1] + fraction * q.velocity[1]);
     }
     return out;
 }
@@ -95,7 +95,7 @@ void write_track(const PivRequest& request, const RunView& run, std::mt19937_64&
     const auto& times = bodies.column("time");
     auto table = CsvTable::create(request.out / "track.csv", {"time [s]", "x [mm]", "y [mm]", "plus_minus [mm]"});
     std::normal_distribution<double> normal;
-    const std::vector<double>* place[3] = {&bodies.column(request.track + " position x"),
+    const std::vector<double>* position[3] = {&bodies.column(request.track + " position x"),
         &bodies.column(request.track + " position y"), &bodies.column(request.track + " position z")};
     const auto add = [&](double time, const Vec3& at) {
         double x = 0, y = 0;
@@ -110,7 +110,8 @@ void write_track(const PivRequest& request, const RunView& run, std::mt19937_64&
     const auto body =
         std::ranges::find(scene.bodies, request.track, &scene::Body::name); // the table has its columns, so it is there
     add(0, scene::SolidRegion(body->shape, scene.domain.dimensions).moments().centre);
-    for (std::size_t i = 0; i < times.size(); ++i) add(times[i], {(*place[0])[i], (*place[1])[i], (*place[2])[i]});
+    for (std::size_t i = 0; i < times.size(); ++i)
+        add(times[i], {(*position[0])[i], (*position[1])[i], (*position[2])[i]});
     table.sync();
 }
 

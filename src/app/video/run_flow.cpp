@@ -43,10 +43,10 @@ const identify::SheetFlow& RunFlow::frame(std::size_t k) {
         }
         return {};
     };
-    auto& place = loaded_[next_];
+    auto& slot = loaded_[next_];
     next_ = 1 - next_;
-    place = std::move(fresh);
-    return place->flow;
+    slot = std::move(fresh);
+    return slot->flow;
 }
 
 std::array<std::size_t, 2> RunFlow::around(double time) const {

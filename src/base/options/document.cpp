@@ -85,10 +85,10 @@ std::optional<std::size_t> read_index(const std::string& word) {
 }
 
 // The item of a list that a part of an override's path means.
-Node& find_item(Node& list, const std::string& word, const std::string& place) {
+Node& find_item(Node& list, const std::string& word, const std::string& location) {
     if (const auto index = read_index(word)) {
         if (*index < list.items.size()) return list.items[*index];
-        throw InputError({place, "there is no item " + word,
+        throw InputError({location, "there is no item " + word,
             "the list has " + std::to_string(list.items.size()) + " items, counted from 0", ""});
     }
     for (auto& item : list.items) {
@@ -97,49 +97,49 @@ Node& find_item(Node& list, const std::string& word, const std::string& place) {
     }
     const auto names = names_of(list);
     const auto close = nearest(word, names);
-    throw InputError({place, "there is no item named " + word,
+    throw InputError({location, "there is no item named " + word,
         names.empty() ? "the items have no names" : "the names are " + join(names, ", "),
         close ? "did you mean " + *close + "?" : "use its number, counted from 0"});
 }
 
-Node& find_or_make(Node& node, const std::string& word, const std::string& place) {
-    if (node.kind == Node::Kind::list) return find_item(node, word, place);
+Node& find_or_make(Node& node, const std::string& word, const std::string& location) {
+    if (node.kind == Node::Kind::list) return find_item(node, word, location);
     if (node.kind == Node::Kind::scalar) {
-        throw InputError({place, word + " would be a key of \"" + node.brief() + "\", which is not a block",
-            "it is given at " + node.place, "override it as a whole, for instance ={...}"});
+        throw InputError({location, word + " would be a key of \"" + node.brief() + "\", which is not a block",
+            "it is given at " + node.location, "override it as a whole, for instance ={...}"});
     }
     if (node.kind == Node::Kind::null) {
         node.kind = Node::Kind::block;
-        node.place = place;
+        node.location = location;
     }
     if (Node* known = node.find(word)) return *known;
-    node.members.push_back({word, place, {}});
-    node.members.back().value.place = place;
+    node.members.push_back({word, location, {}});
+    node.members.back().value.location = location;
     return node.members.back().value;
 }
 
-void note_override(DocumentTree& tree, const std::string& given, const std::string& path, const std::string& place) {
-    if (given != path) tree.notes.push_back(place + ": " + given + " is now " + path);
+void note_override(DocumentTree& tree, const std::string& given, const std::string& path, const std::string& location) {
+    if (given != path) tree.notes.push_back(location + ": " + given + " is now " + path);
 }
 
 } // namespace
 
 void Document::set(const std::string& assignment, const std::string& origin) {
-    const std::string place = origin.empty() ? "--set " + assignment : origin;
+    const std::string location = origin.empty() ? "--set " + assignment : origin;
     try {
         const auto equals = assignment.find('=');
         const auto path = present_path(assignment.substr(0, equals), tree_->renamed);
         const auto parts = split(path, '.');
         const bool gap = std::ranges::find(parts, "") != parts.end();
         if (equals == std::string::npos || gap) {
-            throw InputError({place, "is not of the form a.b.c=value", "", "write for instance --set time.end=2"});
+            throw InputError({location, "is not of the form a.b.c=value", "", "write for instance --set time.end=2"});
         }
-        auto value = read_yaml(assignment.substr(equals + 1), "--set", place);
+        auto value = read_yaml(assignment.substr(equals + 1), "--set", location);
         Node* node = &tree_->root;
-        for (const auto& part : parts) node = &find_or_make(*node, part, place);
+        for (const auto& part : parts) node = &find_or_make(*node, part, location);
         *node = std::move(value.root);
         std::ranges::move(value.problems, std::back_inserter(tree_->problems));
-        note_override(*tree_, assignment.substr(0, equals), path, place);
+        note_override(*tree_, assignment.substr(0, equals), path, location);
         accept(tree_->renamed);
     } catch (const InputError& error) {
         std::ranges::copy(error.diagnostics(), std::back_inserter(tree_->problems));

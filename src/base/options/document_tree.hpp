@@ -16,7 +16,7 @@ struct Node {
 
     Kind kind = Kind::null;      // decides which of the others are in use
     std::string text;            // scalar
-    std::string place;           // "scene.yaml:14", or the override
+    std::string location;        // "scene.yaml:14", or the override
     std::vector<Member> members; // of a block
     std::vector<Node> items;     // of a list
 
@@ -30,9 +30,9 @@ struct Node {
 
 // Key and value of a block. A duplicate key stays in the list and is a problem of the tree.
 struct Node::Member {
-    std::string key;   // as written, without quotes
-    std::string place; // of the key
-    Node value;        // with a place of its own
+    std::string key;      // as written, without quotes
+    std::string location; // of the key
+    Node value;           // with a location of its own
 };
 
 // Result of reading one file or override.
@@ -45,8 +45,8 @@ struct DocumentTree {
 };
 
 // Reads one YAML document; a key that stands twice becomes a problem of the tree. With a `place`, that is
-// the place of everything. Throws InputError on a syntax error, tags, and more nesting or nodes than a scene
+// the location of everything. Throws InputError on a syntax error, tags, and more nesting or nodes than a scene
 // could need.
-DocumentTree read_yaml(const std::string& text, const std::string& name, const std::string& place = "");
+DocumentTree read_yaml(const std::string& text, const std::string& name, const std::string& location = "");
 
 } // namespace treacle

@@ -123,9 +123,9 @@ public:
     // True when the document has this key in the current block; false when not parsing.
     virtual bool given(const std::string&) const { return false; }
     // "scene.yaml:14", where the current block starts; empty when not parsing.
-    virtual std::string place() const { return ""; }
+    virtual std::string location() const { return ""; }
     // Place of this key's value, or of the block that lacks it; empty when not parsing.
-    virtual std::string place_of(const std::string&) const { return ""; }
+    virtual std::string location_of(const std::string&) const { return ""; }
     // 2D scenes: vectors declared from here on may be read, and are emitted, with two numbers.
     virtual void allow_2d_vectors() {}
     // True in a block that has the keys of one further up, and may hold itself, when the visitor writes a manual, which

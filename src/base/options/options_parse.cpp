@@ -138,10 +138,10 @@ public:
         // Absent is as good as empty: the required keys inside are then found missing.
         Node empty;
         empty.kind = Node::Kind::block;
-        empty.place = node_.place;
+        empty.location = node_.location;
         if (node && !shorthand.empty() && node->kind == Node::Kind::scalar) {
-            empty.place = node->place;
-            empty.members.push_back({shorthand, node->place, *node});
+            empty.location = node->location;
+            empty.members.push_back({shorthand, node->location, *node});
             node = &empty;
         }
         if (node && !expect(*node, key, Node::Kind::block, "must be a block of keys")) return;
@@ -173,7 +173,7 @@ public:
     void required(const std::string& key) override {
         if (node_.find(key) || lacking_.contains(key)) return;
         const auto doc = docs_.find(key);
-        report({node_.place, full(key) + " is missing", doc == docs_.end() ? "" : plain(doc->second),
+        report({node_.location, full(key) + " is missing", doc == docs_.end() ? "" : plain(doc->second),
             "see `treacle schema " + below(manual_path_, key) + "`"});
     }
 
@@ -181,7 +181,7 @@ public:
         if (ok || session_.unreadable > unreadable_before_) return;
         const Node* node = node_.find(key);
         Node absent;
-        absent.place = node_.place;
+        absent.location = node_.location;
         const bool shown = node && node->kind != Node::Kind::block &&
                            std::ranges::all_of(node->items, [](auto& item) { return item.kind == Node::Kind::scalar; });
         add(node ? *node : absent, key, complaint, shown ? node->brief() : "");
@@ -189,10 +189,10 @@ public:
 
     bool parsing() const override { return true; }
     bool given(const std::string& key) const override { return node_.find(key) != nullptr; }
-    std::string place() const override { return node_.place; }
-    std::string place_of(const std::string& key) const override {
+    std::string location() const override { return node_.location; }
+    std::string location_of(const std::string& key) const override {
         const Node* node = node_.find(key);
-        return node ? node->place : node_.place;
+        return node ? node->location : node_.location;
     }
     void allow_2d_vectors() override { session_.plane_vectors = true; }
     bool plane_vectors() const override { return session_.plane_vectors; }
@@ -204,7 +204,7 @@ public:
         for (const auto& member : node_.members) {
             if (docs_.contains(member.key)) continue;
             const auto close = nearest(member.key, known);
-            session_.problems.push_back({member.place, full(shorten(member.key)) + " is not a known key", "",
+            session_.problems.push_back({member.location, full(shorten(member.key)) + " is not a known key", "",
                 close ? "did you mean " + *close + "?" : "known here: " + join(known, ", ")});
         }
     }
@@ -231,7 +231,7 @@ protected:
         }
         if (given_keys.size() != 1) {
             const auto what = given_keys.empty() ? "has no " + join(keys, ", ") : "has " + join(given_keys, " and ");
-            report({node_.place, path_ + " " + what, "exactly one of these keys is given", ""});
+            report({node_.location, path_ + " " + what, "exactly one of these keys is given", ""});
             return;
         }
         index = static_cast<std::size_t>(std::ranges::find(keys, given_keys[0]) - keys.begin());
@@ -269,7 +269,7 @@ private:
     bool expect(const Node& node, const std::string& key, Node::Kind kind, const std::string& must) {
         if (node.kind == kind) return true;
         if (node.kind == Node::Kind::null) {
-            report({node.place, full(key) + " has no value", "it " + must, "give it one or remove the key"});
+            report({node.location, full(key) + " has no value", "it " + must, "give it one or remove the key"});
         } else {
             complain(node, key, {must, "", ""});
         }
@@ -306,7 +306,7 @@ private:
 
     void add(const Node& node, const std::string& key, const Complaint& complaint, const std::string& value) {
         const std::string what = value.empty() ? full(key) + ": " : full(key) + " = " + value + ": ";
-        session_.problems.push_back({node.place, what + complaint.must, complaint.reason, complaint.cure});
+        session_.problems.push_back({node.location, what + complaint.must, complaint.reason, complaint.cure});
     }
 
     void report(Diagnostic diagnostic) {
@@ -335,7 +335,7 @@ void parse_root(const Document& document, const Declaration::Members& root, Othe
         if (others == OtherKeys::refused) parser.reject_unknown_keys();
     } else {
         const bool empty = tree.root.kind == Node::Kind::null;
-        session.problems.push_back({tree.root.place, empty ? "the file is empty" : "is not a block of keys",
+        session.problems.push_back({tree.root.location, empty ? "the file is empty" : "is not a block of keys",
             "a scene is lines of the form `key: value`", "start from a file in inputs/"});
     }
     if (!session.problems.empty()) throw InputError(std::move(session.problems));

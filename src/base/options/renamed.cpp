@@ -35,12 +35,12 @@ void rename_key(
     const auto old = std::ranges::find(block.members, key, &Node::Member::key);
     if (old == block.members.end()) return;
     if (const Node* present = block.find(now)) {
-        tree.problems.push_back({old->place, below(where, key) + " is now " + now + ", which is given as well",
-            "it is at " + present->place, "leave " + key + " out"});
+        tree.problems.push_back({old->location, below(where, key) + " is now " + now + ", which is given as well",
+            "it is at " + present->location, "leave " + key + " out"});
         block.members.erase(old);
         return;
     }
-    tree.notes.push_back(old->place + ": " + below(where, key) + " is now " + now);
+    tree.notes.push_back(old->location + ": " + below(where, key) + " is now " + now);
     old->key = now;
 }
 
@@ -48,7 +48,7 @@ void rename_word(
     DocumentTree& tree, Node& block, const std::string& where, const std::string& key, const Renamed& one) {
     Node* value = block.find(key);
     if (!value || value->kind != Node::Kind::scalar || value->text != one.word) return;
-    tree.notes.push_back(value->place + ": " + below(where, key) + ": " + one.word + " is now " + one.now);
+    tree.notes.push_back(value->location + ": " + below(where, key) + ": " + one.word + " is now " + one.now);
     value->text = one.now;
 }
 } // namespace

@@ -18,7 +18,7 @@ constexpr std::size_t most_keys = 1000;       // of one block
 // Builds the tree from yaml-cpp's events, which still have the duplicate keys that its own tree drops.
 class TreeBuilder : public YAML::EventHandler {
 public:
-    TreeBuilder(DocumentTree& tree, std::string place) : tree_(tree), place_(std::move(place)) {}
+    TreeBuilder(DocumentTree& tree, std::string location) : tree_(tree), location_(std::move(location)) {}
 
     void OnDocumentStart(const YAML::Mark&) override {}
     void OnDocumentEnd() override {}
@@ -37,10 +37,10 @@ public:
 
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
-        if (found == anchors_.end()) fail(place(mark), "an alias stands inside its own anchor", "write it out");
+        if (found == anchors_.end()) fail(location(mark), "an alias stands inside its own anchor", "write it out");
         const auto [node, size, depth] = found->second;
         Node copy = node;
-        copy.place = place(mark);
+        copy.location = location(mark);
         size_ += size;
         check_limits(mark, open_.size() + depth);
         attach(std::move(copy), depth);
@@ -66,7 +66,7 @@ private:
         std::size_t depth = 1; // of the tree under it
         bool key_read = false;
         std::string key;
-        std::string key_place;
+        std::string key_location;
     };
     struct Anchored {
         Node node;
@@ -74,33 +74,33 @@ private:
         std::size_t depth;
     };
 
-    std::string place(const YAML::Mark& mark) const {
-        return place_.empty() ? tree_.name + ":" + std::to_string(mark.line + 1) : place_;
+    std::string location(const YAML::Mark& mark) const {
+        return location_.empty() ? tree_.name + ":" + std::to_string(mark.line + 1) : location_;
     }
 
-    [[noreturn]] static void fail(const std::string& place, const std::string& problem, const std::string& cure) {
-        throw InputError({place, problem, "", cure});
+    [[noreturn]] static void fail(const std::string& location, const std::string& problem, const std::string& cure) {
+        throw InputError({location, problem, "", cure});
     }
 
     void reject_tag(const YAML::Mark& mark, const std::string& tag) const {
         if (tag.empty() || tag == "?" || tag == "!") return;
-        fail(place(mark), "the tag " + tag + " has no meaning here", "remove it");
+        fail(location(mark), "the tag " + tag + " has no meaning here", "remove it");
     }
 
     Node leaf(const YAML::Mark& mark, Node::Kind kind, const std::string& text) const {
         Node node;
         node.kind = kind;
         node.text = text;
-        node.place = place(mark);
+        node.location = location(mark);
         return node;
     }
 
     void check_limits(const YAML::Mark& mark, std::size_t depth) const {
         if (depth > deepest) {
-            fail(place(mark), "blocks are nested more than " + std::to_string(deepest) + " deep", "flatten them");
+            fail(location(mark), "blocks are nested more than " + std::to_string(deepest) + " deep", "flatten them");
         }
         if (size_ > most_nodes) {
-            fail(place(mark), "more than a million values", "give large data in a file of its own");
+            fail(location(mark), "more than a million values", "give large data in a file of its own");
         }
     }
 
@@ -137,10 +137,10 @@ private:
         if (parent.node.kind == Node::Kind::list) {
             parent.node.items.push_back(std::move(node));
         } else if (!parent.key_read) {
-            if (node.kind != Node::Kind::scalar) fail(node.place, "a key is not a word", "write `key: value`");
+            if (node.kind != Node::Kind::scalar) fail(node.location, "a key is not a word", "write `key: value`");
             parent.key_read = true;
             parent.key = node.text;
-            parent.key_place = node.place;
+            parent.key_location = node.location;
         } else {
             parent.key_read = false;
             add_member(parent, std::move(node));
@@ -149,21 +149,21 @@ private:
 
     void add_member(Open& parent, Node value) {
         // An empty value has its mark where the next token starts.
-        if (value.kind == Node::Kind::null) value.place = parent.key_place;
+        if (value.kind == Node::Kind::null) value.location = parent.key_location;
         for (const auto& member : parent.node.members) {
             if (member.key != parent.key) continue;
-            tree_.problems.push_back({parent.key_place, "the key " + parent.key + " stands twice",
-                "it is already given at " + member.place, "remove one of them"});
+            tree_.problems.push_back({parent.key_location, "the key " + parent.key + " stands twice",
+                "it is already given at " + member.location, "remove one of them"});
             return;
         }
         if (parent.node.members.size() == most_keys) {
-            fail(parent.key_place, "more than " + std::to_string(most_keys) + " keys in a block", "remove some");
+            fail(parent.key_location, "more than " + std::to_string(most_keys) + " keys in a block", "remove some");
         }
-        parent.node.members.push_back({parent.key, parent.key_place, std::move(value)});
+        parent.node.members.push_back({parent.key, parent.key_location, std::move(value)});
     }
 
     DocumentTree& tree_;
-    std::string place_;
+    std::string location_;
     std::vector<Open> open_;
     std::map<YAML::anchor_t, Anchored> anchors_;
     std::size_t size_ = 0;
@@ -189,15 +189,15 @@ bool indented_by_tab(const std::string& text, int line) {
 
 } // namespace
 
-DocumentTree read_yaml(const std::string& text, const std::string& name, const std::string& place) {
+DocumentTree read_yaml(const std::string& text, const std::string& name, const std::string& location) {
     DocumentTree tree;
     tree.name = name;
-    tree.root.place = place.empty() ? name + ":1" : place;
+    tree.root.location = location.empty() ? name + ":1" : location;
     const auto zero = text.find('\0');
     if (zero != std::string::npos) {
-        throw InputError({tree.root.place, "is not a text file", "it has a zero byte", "give a YAML file"});
+        throw InputError({tree.root.location, "is not a text file", "it has a zero byte", "give a YAML file"});
     }
-    TreeBuilder builder(tree, place);
+    TreeBuilder builder(tree, location);
     try {
         // yaml-cpp 0.7 reports an open quote only when nothing, not even a line break, follows.
         std::istringstream stream(text.substr(0, text.find_last_not_of(" \n\r") + 1));
@@ -205,12 +205,12 @@ DocumentTree read_yaml(const std::string& text, const std::string& name, const s
         parser.HandleNextDocument(builder);
         Node first = std::move(tree.root);
         if (parser.HandleNextDocument(builder)) {
-            throw InputError({tree.root.place, "a second document starts", "a scene is one document",
+            throw InputError({tree.root.location, "a second document starts", "a scene is one document",
                 "remove everything from the line `---` on"});
         }
         tree.root = std::move(first);
     } catch (const YAML::Exception& error) {
-        const auto where = place.empty() ? name + ":" + std::to_string(error.mark.line + 1) : place;
+        const auto where = location.empty() ? name + ":" + std::to_string(error.mark.line + 1) : location;
         if (indented_by_tab(text, error.mark.line)) {
             throw InputError({where, "is not YAML: a tab stands in the indentation",
                 "YAML indents by blanks, since a tab has no fixed width",

@@ -20,9 +20,9 @@ void Log::line(const std::string& text) {
 
 void Log::warn(const std::string& text) { line("warning: " + text); }
 
-void Log::progress(double share, const std::string& text) {
+void Log::progress(double fraction, const std::string& text) {
     if (output_ == LogOutput::disabled || !is_terminal_) return;
-    std::fprintf(stream_, "\r\033[K%s", progress_bar(share, text).c_str());
+    std::fprintf(stream_, "\r\033[K%s", progress_bar(fraction, text).c_str());
     std::fflush(stream_);
     bar_shown_ = true;
 }
@@ -34,11 +34,11 @@ void Log::clear_progress() {
     bar_shown_ = false;
 }
 
-std::string progress_bar(double share, const std::string& text) {
+std::string progress_bar(double fraction, const std::string& text) {
     constexpr int width = 30;
-    share = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0;
-    const auto full = static_cast<std::size_t>(share * width);
-    std::string percent = std::to_string(static_cast<int>(share * 100));
+    fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
+    const auto full = static_cast<std::size_t>(fraction * width);
+    std::string percent = std::to_string(static_cast<int>(fraction * 100));
     percent.insert(0, 3 - percent.size(), ' ');
     return "[" + std::string(full, '#') + std::string(width - full, '.') + "] " + percent + " %  " + text;
 }

@@ -20,8 +20,8 @@ public:
     void line(const std::string& text);
     void warn(const std::string& text);
 
-    // Redraws the bar under the last line; `share` in [0, 1], `text` behind it.
-    void progress(double share, const std::string& text);
+    // Redraws the bar under the last line; `fraction` in [0, 1], `text` behind it.
+    void progress(double fraction, const std::string& text);
     void clear_progress();
 
     bool is_terminal() const { return is_terminal_; } // of the stream, on any rank
@@ -34,6 +34,6 @@ private:
 };
 
 // "[#####.....]  50 %  text"
-std::string progress_bar(double share, const std::string& text);
+std::string progress_bar(double fraction, const std::string& text);
 
 } // namespace treacle

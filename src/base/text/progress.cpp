@@ -20,13 +20,13 @@ void Progress::report(std::int64_t done, std::int64_t total) {
     if (log_.is_terminal()) {
         if (now - last_ < bar_interval && done < total) return;
         last_ = now;
-        const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1;
+        const double fraction = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1;
         const auto left =
             done > 0
                 ? format_duration(seconds() * static_cast<double>(total - done) / static_cast<double>(done)) + " left"
                 : "";
         log_.progress(
-            share, task_ + ": " + std::to_string(done) + " of " + std::to_string(total) + " " + unit_ + ", " + left);
+            fraction, task_ + ": " + std::to_string(done) + " of " + std::to_string(total) + " " + unit_ + ", " + left);
         return;
     }
     if (now - last_ < line_interval) return;

@@ -17,8 +17,8 @@ struct Moments {
     }
 };
 
-KOKKOS_INLINE_FUNCTION void between(const double a[2], const double b[2], double share, double out[2]) {
-    for (int k = 0; k < 2; ++k) out[k] = a[k] + share * (b[k] - a[k]);
+KOKKOS_INLINE_FUNCTION void between(const double a[2], const double b[2], double fraction, double out[2]) {
+    for (int k = 0; k < 2; ++k) out[k] = a[k] + fraction * (b[k] - a[k]);
 }
 
 // Adds the part of a triangle with a negative distance.

@@ -8,24 +8,24 @@ namespace treacle::grid {
 constexpr int kinds = 4;
 constexpr int kind_of(bool liquid, bool solid) { return -1 - (liquid ? 1 : 0) - (solid ? 2 : 0); }
 constexpr int empty_kind = kind_of(false, false);
-constexpr int cut_place = 0;              // in written_: cut by a surface
-constexpr int unknown_place = -1 - kinds; // in written_: never written
+constexpr int cut_kind = 0;              // in written_: cut by a surface
+constexpr int unknown_kind = -1 - kinds; // in written_: never written
 
-// Shares of a cell of one sort all through; `kind` is one of kind_of().
-KOKKOS_INLINE_FUNCTION CubeShares shares_of(int kind) {
+// Fractions of a cell of one sort all through; `kind` is one of kind_of().
+KOKKOS_INLINE_FUNCTION CubeFractions fractions_of(int kind) {
     const int bits = -1 - kind;
     const double liquid = bits & 1 ? 1 : 0, fluid = bits & 2 ? 0 : 1;
     return {fluid, liquid, fluid * liquid};
 }
 
-// Geometry of a window that the kernels share.
-struct Places {
+// Cubes around the centres, faces and edges of the cells of a window.
+struct ControlVolumes {
     FineNodes nodes;
     int up[3]; // 1, and 0 along the flat axis of 2D scenes
     WallPlanes walls;
 
     // Nodes of a window and the walls among the solids there, if any.
-    Places(const FineNodes& of, const WallPlanes& sides)
+    ControlVolumes(const FineNodes& of, const WallPlanes& sides)
         : nodes(of), up{1, 1, of.dimensions == 2 ? 0 : 1}, walls(sides) {}
     // Cells whose parts have all their corners in the window.
     KOKKOS_INLINE_FUNCTION bool has_parts(const int c[3]) const {
@@ -35,7 +35,7 @@ struct Places {
         return true;
     }
     // Cells whose faces and edges have all their parts in the window.
-    KOKKOS_INLINE_FUNCTION bool has_places(const int c[3]) const {
+    KOKKOS_INLINE_FUNCTION bool has_volumes(const int c[3]) const {
         for (int k = 0; k < nodes.dimensions; ++k) {
             if (c[k] <= nodes.window.lo[k]) return false;
         }
@@ -90,28 +90,28 @@ struct Places {
     }
 };
 
-// Cell around a place that the part belongs to, and the part's number: places in the middle of a cell along an axis
+// Cell around a cube that the part belongs to, and the part's number: cubes in the middle of a cell along an axis
 // have both halves of it, others the upper half of the cell below and the lower half of their own.
 struct PartSum {
-    Places places;
+    ControlVolumes volumes;
     Array<int> slot;     // [window] >= 0: row of parts; below: kind of the whole cell
     Array<double> parts; // [rows][8][3] fluid, liquid, wet of each part of a cut cell [1]
 
-    // `node`: bit k: the place is at the lower end of its cell along axis k.
-    KOKKOS_INLINE_FUNCTION CubeShares at(const int c[3], int node) const {
-        CubeShares sum;
-        const int used = places.nodes.used();
+    // `node`: bit k: the cube is at the lower end of its cell along axis k.
+    KOKKOS_INLINE_FUNCTION CubeFractions at(const int c[3], int node) const {
+        CubeFractions sum;
+        const int used = volumes.nodes.used();
         for (int p = 0; p < used; ++p) {
-            // Part p counted from the lower end of the cube of the place.
+            // Part p counted from the lower end of the cube.
             int q[3], own = 0;
             for (int k = 0; k < 3; ++k) {
                 const int below = (node >> k & 1) & ~(p >> k) & 1;
                 q[k] = c[k] - below;
                 own |= ((p >> k ^ node >> k) & 1) << k;
             }
-            const int row = slot(places.nodes.window.index(q[0], q[1], q[2]));
+            const int row = slot(volumes.nodes.window.index(q[0], q[1], q[2]));
             if (row < 0) {
-                const CubeShares whole = shares_of(row);
+                const CubeFractions whole = fractions_of(row);
                 sum.fluid += whole.fluid;
                 sum.liquid += whole.liquid;
                 sum.wet += whole.wet;
@@ -124,14 +124,14 @@ struct PartSum {
         }
         return {sum.fluid / used, sum.liquid / used, sum.wet / used};
     }
-    // The kind of all cells that the places of cell c are part of, or cut_place.
+    // The kind of all cells that the cubes of cell c are part of, or cut_kind.
     KOKKOS_INLINE_FUNCTION int kind(const int c[3]) const {
-        const int first = slot(places.nodes.window.index(c[0], c[1], c[2]));
-        if (first >= 0) return cut_place;
-        for (int z = -places.up[2]; z <= 0; ++z) {
+        const int first = slot(volumes.nodes.window.index(c[0], c[1], c[2]));
+        if (first >= 0) return cut_kind;
+        for (int z = -volumes.up[2]; z <= 0; ++z) {
             for (int y = -1; y <= 0; ++y) {
                 for (int x = -1; x <= 0; ++x) {
-                    if (slot(places.nodes.window.index(c[0] + x, c[1] + y, c[2] + z)) != first) return cut_place;
+                    if (slot(volumes.nodes.window.index(c[0] + x, c[1] + y, c[2] + z)) != first) return cut_kind;
                 }
             }
         }
@@ -139,7 +139,7 @@ struct PartSum {
     }
 };
 
-// Bit k of a place: at the lower end of its cell along axis k.
-KOKKOS_INLINE_FUNCTION int face_place(int axis) { return 1 << axis; }
+// Bit k of a node: its cube is at the lower end of its cell along axis k.
+KOKKOS_INLINE_FUNCTION int face_node(int axis) { return 1 << axis; }
 
 } // namespace treacle::grid

@@ -26,17 +26,17 @@ void find_signs(
 }
 
 // Slots of the cells: for those of one kind the kind, for the others a row of the parts. Returns the number of rows.
-std::size_t find_kinds(const Places& places, const Array<int>& signs, const Array<int>& slot) {
+std::size_t find_kinds(const ControlVolumes& volumes, const Array<int>& signs, const Array<int>& slot) {
     int mixed = 0;
-    const CellBox window = places.nodes.window;
+    const CellBox window = volumes.nodes.window;
     Kokkos::parallel_scan(
         "treacle::fraction_kinds", static_cast<int>(window.size()),
         KOKKOS_LAMBDA(int i, int& row, bool last) {
             int c[3];
             window.cell(i, c);
             int bits = 0;
-            if (places.has_parts(c)) {
-                for (int z = 0; z <= places.up[2]; ++z) {
+            if (volumes.has_parts(c)) {
+                for (int z = 0; z <= volumes.up[2]; ++z) {
                     for (int y = 0; y < 2; ++y) {
                         for (int x = 0; x < 2; ++x) bits |= signs(window.index(c[0] + x, c[1] + y, c[2] + z));
                     }
@@ -52,7 +52,7 @@ std::size_t find_kinds(const Places& places, const Array<int>& signs, const Arra
     return static_cast<std::size_t>(mixed);
 }
 
-KOKKOS_INLINE_FUNCTION CubeShares sample_middle(const double solid[8], const double liquid[8]) {
+KOKKOS_INLINE_FUNCTION CubeFractions sample_middle(const double solid[8], const double liquid[8]) {
     double s = 0, l = 0;
     for (int k = 0; k < 8; ++k) {
         s += solid[k];
@@ -63,9 +63,9 @@ KOKKOS_INLINE_FUNCTION CubeShares sample_middle(const double solid[8], const dou
 }
 
 void clip_parts(const PartSum& to, const Array<double>& solid, const Array<double>& liquid, FractionMethod method) {
-    const Places places = to.places;
-    const CellBox window = places.nodes.window;
-    const int used = places.nodes.used();
+    const ControlVolumes volumes = to.volumes;
+    const CellBox window = volumes.nodes.window;
+    const int used = volumes.nodes.used();
     const bool sample = method == FractionMethod::supersampled;
     Kokkos::parallel_for(
         "treacle::clip_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
@@ -73,30 +73,31 @@ void clip_parts(const PartSum& to, const Array<double>& solid, const Array<doubl
             int c[3];
             window.cell(i, c);
             for (int p = 0; p < used; ++p) {
-                const int f[3] = {2 * c[0] + (p & 1), 2 * c[1] + (p >> 1 & 1), places.up[2] ? 2 * c[2] + (p >> 2) : 0};
+                const int f[3] = {2 * c[0] + (p & 1), 2 * c[1] + (p >> 1 & 1), volumes.up[2] ? 2 * c[2] + (p >> 2) : 0};
                 double s[8], l[8];
-                places.solid_corners(solid, f, s);
-                places.corners(liquid, f, 1, l);
-                const CubeShares shares = sample ? sample_middle(s, l) : cube_shares(s, l, diagonal_start(f));
+                volumes.solid_corners(solid, f, s);
+                volumes.corners(liquid, f, 1, l);
+                const CubeFractions cube = sample ? sample_middle(s, l) : cube_fractions(s, l, diagonal_start(f));
                 double* row = &to.parts(24 * std::int64_t(to.slot(i)) + 3 * p);
-                row[0] = shares.fluid;
-                row[1] = shares.liquid;
-                row[2] = shares.wet;
+                row[0] = cube.fluid;
+                row[1] = cube.liquid;
+                row[2] = cube.wet;
             }
         });
 }
 
-// Bit k of a place: at the lower end of its cell along axis k.
-KOKKOS_INLINE_FUNCTION int edge_place(int axis, int dimensions) { return (dimensions == 2 ? 3 : 7) & ~(1 << axis); }
+// Bit k of a node: its cube is at the lower end of its cell along axis k.
+KOKKOS_INLINE_FUNCTION int edge_node(int axis, int dimensions) { return (dimensions == 2 ? 3 : 7) & ~(1 << axis); }
 
-// Share of the area of the lower face of cell c across an axis that is open, from its four parts. A part that lies in
+// Fraction of the area of the lower face of cell c across an axis that is open, from its four parts. A part that lies in
 // the surface of a solid, but for round-off, is closed: one side of it is solid.
-KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<double>& solid, int axis, const int c[3]) {
+KOKKOS_INLINE_FUNCTION double open_fraction(
+    const ControlVolumes& volumes, const Array<double>& solid, int axis, const int c[3]) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     double sum = 0;
     int count = 0;
-    for (int j = 0; j <= places.up[v]; ++j) {
-        for (int i = 0; i <= places.up[u]; ++i, ++count) {
+    for (int j = 0; j <= volumes.up[v]; ++j) {
+        for (int i = 0; i <= volumes.up[u]; ++i, ++count) {
             double s[4];
             bool in_surface = true;
             for (int k = 0; k < 4; ++k) {
@@ -106,11 +107,11 @@ KOKKOS_INLINE_FUNCTION double open_share(const Places& places, const Array<doubl
                 int corner[3] = {f[0], f[1], f[2]};
                 corner[u] += k & 1;
                 corner[v] += k >> 1;
-                if (!places.up[2]) f[2] = corner[2] = 0;
-                s[k] = places.solid_beside(solid, corner, f, axis);
-                in_surface = in_surface && math::fabs(s[k]) < places.nodes.surface();
+                if (!volumes.up[2]) f[2] = corner[2] = 0;
+                s[k] = volumes.solid_beside(solid, corner, f, axis);
+                in_surface = in_surface && math::fabs(s[k]) < volumes.nodes.surface();
             }
-            if (!in_surface) sum += square_open_share(s, (1 - i) + 2 * (1 - j));
+            if (!in_surface) sum += square_open_fraction(s, (1 - i) + 2 * (1 - j));
         }
     }
     return sum / count;
@@ -121,23 +122,23 @@ struct Writer {
     Fractions out;
     int dimensions;
 
-    KOKKOS_INLINE_FUNCTION void cell(int i, const CubeShares& s) const {
+    KOKKOS_INLINE_FUNCTION void cell(int i, const CubeFractions& s) const {
         out.cell_fluid(i) = s.fluid;
         out.cell_liquid(i) = s.liquid;
         out.cell_liquid_clipped(i) = s.wet;
     }
-    KOKKOS_INLINE_FUNCTION void face(int axis, int i, const CubeShares& s) const {
+    KOKKOS_INLINE_FUNCTION void face(int axis, int i, const CubeFractions& s) const {
         out.face_fluid.axis[axis](i) = s.fluid;
         out.face_liquid.axis[axis](i) = s.liquid;
         out.face_liquid_clipped.axis[axis](i) = s.wet;
     }
-    KOKKOS_INLINE_FUNCTION void edge(int axis, int i, const CubeShares& s) const {
+    KOKKOS_INLINE_FUNCTION void edge(int axis, int i, const CubeFractions& s) const {
         out.edge_fluid.axis[axis](i) = s.fluid;
         out.edge_liquid.axis[axis](i) = s.liquid;
         out.edge_liquid_clipped.axis[axis](i) = s.wet;
     }
     KOKKOS_INLINE_FUNCTION bool has_edge(int axis) const { return dimensions == 3 || axis == 2; }
-    KOKKOS_INLINE_FUNCTION void all(int i, const CubeShares& s) const {
+    KOKKOS_INLINE_FUNCTION void all(int i, const CubeFractions& s) const {
         cell(i, s);
         for (int a = 0; a < dimensions; ++a) {
             face(a, i, s);
@@ -149,61 +150,61 @@ struct Writer {
     }
 };
 
-// Writes the places of each cell; what is of one kind and was so before stays.
+// Writes the cubes of each cell; what is of one kind and was so before stays.
 void sum_parts(const PartSum& parts, const Array<double>& solid, const Writer& writer, const Array<int>& written) {
-    const CellBox window = parts.places.nodes.window;
+    const CellBox window = parts.volumes.nodes.window;
     Kokkos::parallel_for(
         "treacle::sum_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             window.cell(i, c);
-            const int kind = parts.places.has_places(c) ? parts.kind(c) : empty_kind;
-            if (kind != cut_place) {
+            const int kind = parts.volumes.has_volumes(c) ? parts.kind(c) : empty_kind;
+            if (kind != cut_kind) {
                 if (written(i) == kind) return;
-                writer.all(i, shares_of(kind));
+                writer.all(i, fractions_of(kind));
             } else {
                 writer.cell(i, parts.at(c, 0));
                 for (int a = 0; a < writer.dimensions; ++a) {
-                    writer.face(a, i, parts.at(c, face_place(a)));
-                    writer.out.open.axis[a](i) = open_share(parts.places, solid, a, c);
+                    writer.face(a, i, parts.at(c, face_node(a)));
+                    writer.out.open.axis[a](i) = open_fraction(parts.volumes, solid, a, c);
                 }
                 for (int a = 0; a < 3; ++a) {
-                    if (writer.has_edge(a)) writer.edge(a, i, parts.at(c, edge_place(a, writer.dimensions)));
+                    if (writer.has_edge(a)) writer.edge(a, i, parts.at(c, edge_node(a, writer.dimensions)));
                 }
             }
             written(i) = kind;
         });
 }
 
-// The cube of the place at the lower ends `node` of cell c, by its own corners alone.
-KOKKOS_INLINE_FUNCTION CubeShares own_corners(
-    const Places& places, const Array<double>& solid, const Array<double>& liquid, const int c[3], int node) {
+// The cube at the lower ends `node` of cell c, by its own corners alone.
+KOKKOS_INLINE_FUNCTION CubeFractions own_corners(
+    const ControlVolumes& volumes, const Array<double>& solid, const Array<double>& liquid, const int c[3], int node) {
     int f[3];
     for (int k = 0; k < 3; ++k) f[k] = 2 * c[k] - (node >> k & 1);
     double s[8], l[8];
-    places.corners(solid, f, 2, s);
-    places.corners(liquid, f, 2, l);
-    return cube_shares(s, l, 0);
+    volumes.corners(solid, f, 2, s);
+    volumes.corners(liquid, f, 2, l);
+    return cube_fractions(s, l, 0);
 }
 
 void fill_independent(
-    const Places& places, const Array<double>& solid, const Array<double>& liquid, const Writer& writer) {
-    const CellBox window = places.nodes.window;
+    const ControlVolumes& volumes, const Array<double>& solid, const Array<double>& liquid, const Writer& writer) {
+    const CellBox window = volumes.nodes.window;
     Kokkos::parallel_for(
         "treacle::independent_fractions", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             window.cell(i, c);
-            if (!places.has_places(c)) {
-                writer.all(i, shares_of(empty_kind));
+            if (!volumes.has_volumes(c)) {
+                writer.all(i, fractions_of(empty_kind));
                 return;
             }
-            writer.cell(i, own_corners(places, solid, liquid, c, 0));
+            writer.cell(i, own_corners(volumes, solid, liquid, c, 0));
             for (int a = 0; a < writer.dimensions; ++a) {
-                writer.face(a, i, own_corners(places, solid, liquid, c, face_place(a)));
-                writer.out.open.axis[a](i) = open_share(places, solid, a, c);
+                writer.face(a, i, own_corners(volumes, solid, liquid, c, face_node(a)));
+                writer.out.open.axis[a](i) = open_fraction(volumes, solid, a, c);
             }
             for (int a = 0; a < 3; ++a) {
                 if (writer.has_edge(a))
-                    writer.edge(a, i, own_corners(places, solid, liquid, c, edge_place(a, writer.dimensions)));
+                    writer.edge(a, i, own_corners(volumes, solid, liquid, c, edge_node(a, writer.dimensions)));
             }
         });
 }
@@ -223,21 +224,21 @@ void FractionBuilder::build(const FineNodes& nodes, const Array<double>& solid, 
     FractionMethod method, Fractions& out, const WallPlanes& walls) {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     reserve_fractions(out, nodes.dimensions, n);
-    const Places places(nodes, walls);
+    const ControlVolumes volumes(nodes, walls);
     const Writer writer{out, nodes.dimensions};
     reserve(slot_, n);
     reserve(written_, n);
     const bool same = same_cells(filled_, nodes.window) && filled_data_ == out.cell_fluid.data();
-    if (!same) Kokkos::deep_copy(written_, unknown_place);
+    if (!same) Kokkos::deep_copy(written_, unknown_kind);
     reserve(signs_, n);
     find_signs(nodes, solid, liquid, signs_);
-    mixed_ = find_kinds(places, signs_, slot_);
+    mixed_ = find_kinds(volumes, signs_, slot_);
     reserve(parts_, 24 * mixed_);
-    const PartSum parts{places, slot_, parts_};
+    const PartSum parts{volumes, slot_, parts_};
     clip_parts(parts, solid, liquid, method);
     if (method == FractionMethod::independent) {
-        fill_independent(places, solid, liquid, writer);
-        Kokkos::deep_copy(written_, unknown_place);
+        fill_independent(volumes, solid, liquid, writer);
+        Kokkos::deep_copy(written_, unknown_kind);
     } else {
         sum_parts(parts, solid, writer, written_);
     }

@@ -25,8 +25,8 @@ public:
     // Shares of the bodies that move in the cubes around the faces across each axis, as build() found the fluid's, of the
     // same window. Solid parts of half-width cubes belong to the solid nearest to their corners.
     // `number`: solids at the fine nodes, Solids::number(); `moves` [bodies]: 1 where a body moves.
-    void build_body_shares(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
-        const Array<int>& moves, BodyShares shares[3]) const;
+    void build_body_fractions(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
+        const Array<int>& moves, BodyFractions body_fractions[3]) const;
 
     std::size_t mixed_cells() const { return mixed_; } // of the last build
 

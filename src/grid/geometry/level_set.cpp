@@ -11,17 +11,17 @@ namespace treacle::grid {
 namespace {
 constexpr int table = 256; // steps of the map of the half space over [0, 1]
 // Particles nearer to a solid than this, over dx, have an image in it: the layer at the wall, of two per cell.
-constexpr double image_reach = 0.6;
+constexpr double image_cutoff = 0.6;
 // Layers of fine nodes into which the liquid is continued in solids: as deep, along the axes, as the cube of a face with
 // fluid reaches.
 constexpr int continued_layers = 6;
 // [dx] What the surface lies too low, because the mean of scattered particles is farther away than that of a continuum:
 // measured of pools and balls of seeded particles (jitter 0.25), in 2D and in 3D.
 constexpr double scatter_shift[2] = {0.04, 0.05};
-// A cell whose particles are this share of the seeded number has no surface in it if those around it are like it.
-constexpr double full_share = 0.5;
+// A cell whose particles are this fraction of the seeded number has no surface in it if those around it are like it.
+constexpr double full_fraction = 0.5;
 
-// The mean of the particles of a half space is at distance g(u) from height u, both over the reach: the weight
+// The mean of the particles of a half space is at distance g(u) from height u, both over the radius: the weight
 // (1 - s^2)^3 sums to (1 - s^2)^4 over the plane at distance s in 3D, to (1 - s^2)^3.5 over the line in 2D.
 // Returns u at g = 0, 1/table, ..., 1.
 std::vector<double> invert_half_space(int dimensions) {
@@ -37,8 +37,8 @@ std::vector<double> invert_half_space(int dimensions) {
         moment += w * s;
         const double u = 1 - double(k) / steps, g = moment / weight;
         for (; entry > 0 && double(entry) / table >= g; --entry) {
-            const double share = (g_before - double(entry) / table) / (g_before - g);
-            out[static_cast<std::size_t>(entry)] = u_before + share * (u - u_before);
+            const double fraction = (g_before - double(entry) / table) / (g_before - g);
+            out[static_cast<std::size_t>(entry)] = u_before + fraction * (u - u_before);
         }
         u_before = u;
         g_before = g;
@@ -104,8 +104,8 @@ struct Builder {
     Array<double> along[3]; // x, axis by axis
     WallPlanes walls;
     Array<double> solid, map, out;
-    double reach, shift; // [m]
-    int full;            // particles of a cell without surface
+    double radius, shift; // [m]
+    int full;             // particles of a cell without surface
 
     KOKKOS_INLINE_FUNCTION bool is_solid(const int c[3]) const {
         const int base = FineNodes::per_cell * nodes.window.index(c[0], c[1], c[2]);
@@ -131,27 +131,27 @@ struct Builder {
             }
         }
     }
-    // Bit k: a wall across axis k is so near that particles within reach have images in it; `side`: which.
-    KOKKOS_INLINE_FUNCTION int near_walls(const double place[3], int side[3]) const {
+    // Bit k: a wall across axis k is so near that particles within the radius have images in it; `side`: which.
+    KOKKOS_INLINE_FUNCTION int near_walls(const double position[3], int side[3]) const {
         int near = 0;
         for (int s = 0; s < 2 * nodes.dimensions; ++s) {
-            if (!walls.is_wall[s] || walls.distance(s, place) >= (1 + image_reach) * reach) continue;
+            if (!walls.is_wall[s] || walls.distance(s, position) >= (1 + image_cutoff) * radius) continue;
             near |= 1 << s / 2;
             side[s / 2] = s;
         }
         return near;
     }
-    // The images of particles [first, last) in some walls: relative to the place's own image they are the particles.
-    KOKKOS_INLINE_FUNCTION void add_mirrored(int first, int last, const double place[3], int mirror, const int side[3],
-        double inverse_square, Mean& mean) const {
-        double at[3] = {place[0], place[1], place[2]};
+    // The images of particles [first, last) in some walls: relative to the position's own image they are the particles.
+    KOKKOS_INLINE_FUNCTION void add_mirrored(int first, int last, const double position[3], int mirror,
+        const int side[3], double inverse_square, Mean& mean) const {
+        double at[3] = {position[0], position[1], position[2]};
         for (int k = 0; k < 3; ++k) {
-            if (mirror >> k & 1) at[k] = 2 * walls.at[side[k]] - place[k];
+            if (mirror >> k & 1) at[k] = 2 * walls.at[side[k]] - position[k];
         }
         for (int p = first; p < last; ++p) {
             bool near = true;
             for (int k = 0; k < 3; ++k) {
-                if (mirror >> k & 1) near = near && math::fabs(x(p, k) - walls.at[side[k]]) < image_reach * reach;
+                if (mirror >> k & 1) near = near && math::fabs(x(p, k) - walls.at[side[k]]) < image_cutoff * radius;
             }
             if (!near) continue;
             mean.add(x, p, at, inverse_square, mirror);
@@ -159,12 +159,12 @@ struct Builder {
         }
     }
     KOKKOS_INLINE_FUNCTION double at_node(
-        const int c[3], int corner, const double place[3], double solid_distance) const {
-        const double inverse_square = 1 / (reach * reach);
-        // Beyond this no particle within reach has an image.
-        const bool images = solid_distance < (1 + image_reach) * reach;
+        const int c[3], int corner, const double position[3], double solid_distance) const {
+        const double inverse_square = 1 / (radius * radius);
+        // Beyond this no particle within the radius has an image.
+        const bool images = solid_distance < (1 + image_cutoff) * radius;
         int side[3];
-        const int near = images ? near_walls(place, side) : 0;
+        const int near = images ? near_walls(position, side) : 0;
         Mean mean;
         LaneMean seen;
         const int top = nodes.dimensions == 2 ? 0 : corner >> 2 & 1, bottom = nodes.dimensions == 2 ? 0 : -1;
@@ -173,17 +173,17 @@ struct Builder {
                 for (int dx = -1; dx <= (corner & 1); ++dx) {
                     const int k = cells.window.index(c[0] + dx, c[1] + y, c[2] + z);
                     const int first = cells.begin(k), last = cells.end(k);
-                    seen.add(along, first, last, place, inverse_square);
-                    for (int p = first; images && p < last; ++p) mean.add(image, p, place, inverse_square, 0);
+                    seen.add(along, first, last, position, inverse_square);
+                    for (int p = first; images && p < last; ++p) mean.add(image, p, position, inverse_square, 0);
                     for (int mirror = 1; mirror <= near; ++mirror) {
                         if ((mirror & near) == mirror)
-                            add_mirrored(first, last, place, mirror, side, inverse_square, mean);
+                            add_mirrored(first, last, position, mirror, side, inverse_square, mean);
                     }
                 }
             }
         }
         seen.add_to(mean);
-        return mean.weight > 0 ? reach * read_table(map, mean.distance() / reach) - shift : reach;
+        return mean.weight > 0 ? radius * read_table(map, mean.distance() / radius) - shift : radius;
     }
 };
 
@@ -199,16 +199,17 @@ int sum_particles(const Builder& build) {
             const int base = FineNodes::per_cell * build.nodes.window.index(c[0], c[1], c[2]);
             if (most == 0 || fewest >= build.full) {
                 for (int k = 0; k < FineNodes::per_cell; ++k)
-                    build.out(base + k) = most == 0 ? build.reach : -build.reach;
+                    build.out(base + k) = most == 0 ? build.radius : -build.radius;
                 return;
             }
             ++count;
             for (int k = 0; k < build.nodes.used(); ++k) {
-                double place[3];
-                build.nodes.place(c, k, place);
+                double position[3];
+                build.nodes.position(c, k, position);
                 // Within solids the liquid is continued afterwards.
                 const double solid = build.solid(base + k);
-                build.out(base + k) = build.nodes.is_inside(solid) ? build.reach : build.at_node(c, k, place, solid);
+                build.out(base + k) =
+                    build.nodes.is_inside(solid) ? build.radius : build.at_node(c, k, position, solid);
             }
         },
         surface);
@@ -313,13 +314,13 @@ void LevelSet::build(
     const FineNodes nodes = solids.nodes();
     reserve(distance_, nodes.size());
     Kokkos::deep_copy(distance_, grid.dx);
-    // Across bodies; walls have theirs by the mirrored places of nodes.
-    MirrorParticles::find(particles, solids.sampler(), solids.number(), MirroredIn::bodies, image_reach * grid.dx);
+    // Across bodies; walls have theirs by the mirrored positions of nodes.
+    MirrorParticles::find(particles, solids.sampler(), solids.number(), MirroredIn::bodies, image_cutoff * grid.dx);
     split_axes(particles.position(), particles.store.total(), along_);
     const int seeded = grid.dimensions == 2 ? 4 : 8;
     surface_ = static_cast<std::size_t>(sum_particles({nodes, halo.owned(), cells, particles.position(),
         particles.image(), {along_[0], along_[1], along_[2]}, solids.walls(), solids.distance(), half_space_, distance_,
-        grid.dx, scatter_shift[grid.dimensions - 2] * grid.dx, static_cast<int>(full_share * seeded)}));
+        grid.dx, scatter_shift[grid.dimensions - 2] * grid.dx, static_cast<int>(full_fraction * seeded)}));
     halo.gather_blocks(distance_, FineNodes::per_cell);
     continue_into_solids(nodes, solids.distance());
     halo.gather_blocks(distance_, FineNodes::per_cell);

@@ -12,7 +12,7 @@ enum class MirroredIn { bodies, all_solids };
 struct MirrorParticles {
     static constexpr double none = 1e100; // [m]
     static void find(const GridParticles& particles, const DistanceSampler& solid, const Array<int>& number,
-        MirroredIn which, double reach);
+        MirroredIn which, double cutoff);
 };
 
 } // namespace treacle::grid

@@ -45,12 +45,12 @@ public:
 
     // The liquid whose particle the sub-cell holds, or -1: over many sub-cells as often as that liquid fills of them.
     int liquid_of(const SubCell& sub_cell) const {
-        const double reach = std::hypot(sub_cell.half[0], sub_cell.half[1], sub_cell.half[2]);
+        const double bounding_radius = std::hypot(sub_cell.half[0], sub_cell.half[1], sub_cell.half[2]);
         double before = 0;
         for (int l = 0; l < liquids(); ++l) {
             const double distance = to_liquid(l, sub_cell.middle);
-            if (distance >= reach) continue;
-            const bool full = distance <= -reach && to_solids(sub_cell.middle) >= reach;
+            if (distance >= bounding_radius) continue;
+            const bool full = distance <= -bounding_radius && to_solids(sub_cell.middle) >= bounding_radius;
             before = full ? 1 : before + volume_fraction(sub_cell, l);
             if (sub_cell.threshold < before) return l;
         }
@@ -192,9 +192,9 @@ void seed(const Seeding& seeding, const MacGrid& grid, const Decomposition& deco
         box.cell(i, c);
         Vec3 middle;
         grid.centre(c, middle.data());
-        const bool reached = std::ranges::any_of(
+        const bool touched = std::ranges::any_of(
             seeding.liquids, [&](const scene::Regions& liquid) { return scene::distance_to(liquid, middle) < radius; });
-        if (reached) seed_cell(seeding, grid, filling, c, made);
+        if (touched) seed_cell(seeding, grid, filling, c, made);
     }
     const auto before = static_cast<std::size_t>(particles.store.owned());
     particles.store.resize_owned(static_cast<int>(before + made.size()));

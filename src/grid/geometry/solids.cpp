@@ -52,7 +52,7 @@ void fill_wall_distance(const FineNodes& nodes, const WallPlanes& walls, double 
             nodes.window.cell(i, c);
             for (int corner = 0; corner < FineNodes::per_cell; ++corner) {
                 double x[3];
-                nodes.place(c, corner, x);
+                nodes.position(c, corner, x);
                 double least = far, beyond = 0;
                 int nearest = Solids::nothing;
                 for (int side = 0; side < 2 * walls.dimensions; ++side) {
@@ -72,9 +72,9 @@ void fill_wall_distance(const FineNodes& nodes, const WallPlanes& walls, double 
 }
 
 // A body where it is, or an image of it.
-class PlacedBody {
+class PosedBody {
 public:
-    PlacedBody(const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift)
+    PosedBody(const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift)
         : region_(bodies.setup().bodies[body].region.front()), start_(bodies.setup().bodies[body].centre),
           now_(rigid::operator+(bodies.pose(body).centre, shift)), moves_(bodies.moves(body)), shift_(shift) {
         if (moves_) back_ = rigid::transposed(rigid::to_matrix(bodies.pose(body).turn));
@@ -102,7 +102,7 @@ std::vector<std::pair<std::size_t, rigid::Pose>> moving_poses(const rigid::Rigid
 }
 
 // Cells that a body's surface and the band around it may reach; all of them for what has no end.
-CellBox reach_of(
+CellBox bounding_cells(
     const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift, const MacGrid& grid, const CellBox& cells) {
     const auto& setup = bodies.setup().bodies[body];
     const auto& region = setup.region.front();
@@ -110,8 +110,8 @@ CellBox reach_of(
     Vec3 low = region.bounds().min, high = region.bounds().max;
     if (bodies.moves(body)) {
         for (std::size_t k = 0; k < 3; ++k) {
-            low[k] = bodies.pose(body).centre[k] - setup.reach;
-            high[k] = bodies.pose(body).centre[k] + setup.reach;
+            low[k] = bodies.pose(body).centre[k] - setup.bounding_radius;
+            high[k] = bodies.pose(body).centre[k] + setup.bounding_radius;
         }
     }
     CellBox out = cells;
@@ -129,7 +129,7 @@ CellBox reach_of(
 template <class Distances, class Numbers>
 class BodySampler {
 public:
-    BodySampler(const PlacedBody& body, int number, const FineNodes& nodes, double dx, const Distances& distance,
+    BodySampler(const PosedBody& body, int number, const FineNodes& nodes, double dx, const Distances& distance,
         const Numbers& numbers)
         : body_(body), number_(number), nodes_(nodes), dx_(dx), distance_(distance), numbers_(numbers) {}
 
@@ -172,7 +172,7 @@ private:
             block.cell(i, c);
             for (int corner = 0; corner < nodes_.used(); ++corner) {
                 double x[3];
-                nodes_.place(c, corner, x);
+                nodes_.position(c, corner, x);
                 visit_node(x, FineNodes::per_cell * nodes_.window.index(c[0], c[1], c[2]) + corner);
             }
         }
@@ -184,7 +184,7 @@ private:
         distance_(at) = d;
     }
 
-    const PlacedBody& body_;
+    const PosedBody& body_;
     int number_;
     const FineNodes& nodes_;
     double dx_;
@@ -211,8 +211,8 @@ void for_images(
             for (int x = -images[0]; x <= images[0]; ++x) {
                 const Vec3 shift{back[0] + x * grid.cells.period[0], back[1] + y * grid.cells.period[1],
                     back[2] + z * grid.cells.period[2]};
-                const CellBox reached = reach_of(bodies, body, shift, grid, cells);
-                if (!reached.empty()) visit(shift, reached);
+                const CellBox covered = bounding_cells(bodies, body, shift, grid, cells);
+                if (!covered.empty()) visit(shift, covered);
             }
         }
     }
@@ -238,16 +238,16 @@ void Solids::add_bodies(const rigid::RigidBodies& bodies, bool moving, const Cel
     bool fetched = false;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         if (bodies.moves(b) != moving || !bodies.present(b) || (!counted_.empty() && counted_[b] == 0)) continue;
-        for_images(bodies, b, grid_, cells, [&](const Vec3& shift, const CellBox& reached) {
+        for_images(bodies, b, grid_, cells, [&](const Vec3& shift, const CellBox& covered) {
             if (!fetched) {
                 Kokkos::deep_copy(distance, to);
                 Kokkos::deep_copy(numbers, to_number);
                 fetched = true;
             }
-            const PlacedBody body(bodies, b, shift);
+            const PosedBody body(bodies, b, shift);
             BodySampler sampler(body, static_cast<int>(b), nodes_, grid_.dx, distance, numbers);
-            sampler.sample(reached);
-            if (moving) touched_.push_back(reached);
+            sampler.sample(covered);
+            if (moving) touched_.push_back(covered);
         });
     }
     if (!fetched) return;
@@ -313,7 +313,7 @@ double Solids::distance_at(const Vec3& x, const rigid::RigidBodies& bodies) cons
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         if (!bodies.present(b)) continue;
         for_images(bodies, b, grid_, all, [&](const Vec3& shift, const CellBox&) {
-            least = std::min(least, PlacedBody(bodies, b, shift).distance(x));
+            least = std::min(least, PosedBody(bodies, b, shift).distance(x));
         });
     }
     return least;

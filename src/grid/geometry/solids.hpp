@@ -35,7 +35,7 @@ public:
     // Numbers of solids: bodies by their place in RigidBodies, side k of the domain as -1 - k.
     static constexpr int side(int k) { return -1 - k; }
     // Place of a solid in lists of the six sides, then the bodies.
-    KOKKOS_INLINE_FUNCTION static constexpr int place(int number) { return number >= 0 ? 6 + number : -1 - number; }
+    KOKKOS_INLINE_FUNCTION static constexpr int slot(int number) { return number >= 0 ? 6 + number : -1 - number; }
     double band() const { return band_; } // [m]
 
     // Follows the window of the halo and the poses of the bodies. Returns whether any distance changed. Local.

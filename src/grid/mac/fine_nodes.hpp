@@ -32,7 +32,7 @@ struct FineNodes {
         return per_cell * window.index(x >> 1, y >> 1, z >> 1) + (x & 1) + 2 * (y & 1) + 4 * (z & 1);
     }
     // Position of corner `corner` of cell c [m].
-    KOKKOS_INLINE_FUNCTION void place(const int c[3], int corner, double x[3]) const {
+    KOKKOS_INLINE_FUNCTION void position(const int c[3], int corner, double x[3]) const {
         for (int k = 0; k < 3; ++k) x[k] = lower[k] + width * (2 * c[k] + (corner >> k & 1));
         if (dimensions == 2) x[2] = 0;
     }

@@ -68,12 +68,12 @@ struct Fractions {
     FaceField open; // share of the area of each face that is not solid: cut cells of the pressure
 };
 
-// Shares of moving bodies in the cube around a face (W_S of each): compressed by face of the window. The shares of a
-// face and its fluid share sum to at most 1; what is missing belongs to solids that rest.
-struct BodyShares {
-    Array<int> first;    // [window + 1]
-    Array<int> body;     // [first(window)] number of the body in rigid::RigidBodies
-    Array<double> share; // [first(window)] W_S [1]
+// Fractions of moving bodies in the cube around a face (W_S of each): compressed by face of the window. Those of a
+// face and its fluid fraction sum to at most 1; what is missing belongs to solids that rest.
+struct BodyFractions {
+    Array<int> first;       // [window + 1]
+    Array<int> body;        // [first(window)] number of the body in rigid::RigidBodies
+    Array<double> fraction; // [first(window)] W_S [1]
 };
 
 } // namespace treacle::grid

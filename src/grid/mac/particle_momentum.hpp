@@ -11,9 +11,9 @@ struct ParticleMotion {
 
     // Particle i of fields [particles][3]; gradient[a] is that of u_a [1/s].
     KOKKOS_INLINE_FUNCTION ParticleMotion(
-        const Array3& place, const Array3& velocity, const Array3 gradient[3], int i) {
+        const Array3& position, const Array3& velocity, const Array3 gradient[3], int i) {
         for (int a = 0; a < 3; ++a) {
-            x[a] = place(i, a);
+            x[a] = position(i, a);
             u[a] = velocity(i, a);
             for (int k = 0; k < 3; ++k) c[a][k] = gradient[a](i, k);
         }
@@ -43,8 +43,8 @@ struct ParticleMotion {
         for (int a = 0; a < grid.dimensions; ++a) {
             for (int k = 0; k < grid.dimensions; ++k) {
                 if (k == a) continue;
-                const double place = (x[k] - grid.lower[k]) / grid.dx - 0.5;
-                const double s = place - math::floor(place);
+                const double coordinate = (x[k] - grid.lower[k]) / grid.dx - 0.5;
+                const double s = coordinate - math::floor(coordinate);
                 const double moment = mass * s * (1 - s) * grid.dx * grid.dx * c[a][k];
                 sum[3 - a - k] += (k + 1) % 3 == a ? moment : -moment;
             }

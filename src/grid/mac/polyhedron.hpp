@@ -23,7 +23,7 @@ KOKKOS_INLINE_FUNCTION int order_by_sign(const double distance[corners], int ord
 }
 
 // Share of a triangle, by area, where the distance is negative.
-KOKKOS_INLINE_FUNCTION double negative_share_triangle(const double distance[3]) {
+KOKKOS_INLINE_FUNCTION double negative_fraction_triangle(const double distance[3]) {
     int o[3];
     const int negative = order_by_sign<3>(distance, o);
     if (negative == 0) return 0;
@@ -33,7 +33,7 @@ KOKKOS_INLINE_FUNCTION double negative_share_triangle(const double distance[3]) 
 }
 
 // Share of a tetrahedron, by volume, where the distance is negative.
-KOKKOS_INLINE_FUNCTION double negative_share(const double distance[4]) {
+KOKKOS_INLINE_FUNCTION double negative_fraction(const double distance[4]) {
     int o[4];
     const int negative = order_by_sign<4>(distance, o);
     if (negative == 0) return 0;
@@ -52,37 +52,37 @@ KOKKOS_INLINE_FUNCTION double clipped_liquid_fraction(const double solid[4], con
     int o[4];
     const int inside = order_by_sign<4>(solid, o);
     if (inside == 4) return 0;
-    if (inside == 0) return negative_share(liquid);
+    if (inside == 0) return negative_fraction(liquid);
     const double a = solid[o[0]], b = solid[o[1]], c = solid[o[2]], d = solid[o[3]];
     const double la = liquid[o[0]], lb = liquid[o[1]], lc = liquid[o[2]], ld = liquid[o[3]];
     if (inside == 1) { // all but the corner at a
         const double ab = cut(a, b), ac = cut(a, c), ad = cut(a, d);
         const double corner[4] = {la, la + ab * (lb - la), la + ac * (lc - la), la + ad * (ld - la)};
         // Never below 0 but by round-off.
-        return math::max(0.0, negative_share(liquid) - ab * ac * ad * negative_share(corner));
+        return math::max(0.0, negative_fraction(liquid) - ab * ac * ad * negative_fraction(corner));
     }
     if (inside == 3) { // the corner at d
         const double da = cut(d, a), db = cut(d, b), dc = cut(d, c);
         const double corner[4] = {ld, ld + da * (la - ld), ld + db * (lb - ld), ld + dc * (lc - ld)};
-        return da * db * dc * negative_share(corner);
+        return da * db * dc * negative_fraction(corner);
     }
     // The wedge between the triangles (c, ca, cb) and (d, da, db).
     const double ca = cut(c, a), cb = cut(c, b), da = cut(d, a), db = cut(d, b);
     const double lca = lc + ca * (la - lc), lcb = lc + cb * (lb - lc), lda = ld + da * (la - ld),
                  ldb = ld + db * (lb - ld);
     const double one[4] = {lc, lca, lcb, ldb}, two[4] = {lc, lca, lda, ldb}, three[4] = {lc, ld, lda, ldb};
-    return ca * cb * (1 - db) * negative_share(one) + ca * (1 - da) * db * negative_share(two) +
-           da * db * negative_share(three);
+    return ca * cb * (1 - db) * negative_fraction(one) + ca * (1 - da) * db * negative_fraction(two) +
+           da * db * negative_fraction(three);
 }
 
 // Shares of a cube: not solid, inside the liquid's surface, both.
-struct CubeShares {
+struct CubeFractions {
     double fluid = 0, liquid = 0, wet = 0; // of the cube's volume [1]
 };
 
 // Shares of a cube with distances at its corners, numbered x + 2 y + 4 z: six tetrahedra around the diagonal that
 // starts at corner `start`. Neighbouring cubes match where their diagonals are mirror images.
-KOKKOS_INLINE_FUNCTION CubeShares cube_shares(const double solid[8], const double liquid[8], int start) {
+KOKKOS_INLINE_FUNCTION CubeFractions cube_fractions(const double solid[8], const double liquid[8], int start) {
     constexpr int path[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
     bool any_solid = false, all_solid = true, any_liquid = false, all_liquid = true;
     for (int k = 0; k < 8; ++k) {
@@ -91,7 +91,7 @@ KOKKOS_INLINE_FUNCTION CubeShares cube_shares(const double solid[8], const doubl
         any_liquid |= liquid[k] < 0;
         all_liquid &= liquid[k] < 0;
     }
-    CubeShares out{any_solid ? 0.0 : 1.0, all_liquid ? 1.0 : 0.0, 0.0};
+    CubeFractions out{any_solid ? 0.0 : 1.0, all_liquid ? 1.0 : 0.0, 0.0};
     const bool cut_solid = any_solid && !all_solid, cut_liquid = any_liquid && !all_liquid;
     if (!cut_solid && !cut_liquid) {
         out.wet = out.fluid * out.liquid;
@@ -101,8 +101,8 @@ KOKKOS_INLINE_FUNCTION CubeShares cube_shares(const double solid[8], const doubl
         const int v[4] = {start, path[t][0] ^ start, path[t][1] ^ start, 7 ^ start};
         const double s[4] = {solid[v[0]], solid[v[1]], solid[v[2]], solid[v[3]]};
         const double l[4] = {liquid[v[0]], liquid[v[1]], liquid[v[2]], liquid[v[3]]};
-        if (cut_solid) out.fluid += (1 - negative_share(s)) / 6;
-        if (cut_liquid) out.liquid += negative_share(l) / 6;
+        if (cut_solid) out.fluid += (1 - negative_fraction(s)) / 6;
+        if (cut_liquid) out.liquid += negative_fraction(l) / 6;
         if (cut_solid && cut_liquid) out.wet += clipped_liquid_fraction(s, l) / 6;
     }
     if (!cut_liquid) out.wet = all_liquid ? out.fluid : 0;
@@ -112,11 +112,11 @@ KOKKOS_INLINE_FUNCTION CubeShares cube_shares(const double solid[8], const doubl
 
 // Share of a square, by area, where the distance is not negative. Corners numbered x + 2 y; two triangles on either side
 // of the diagonal from corner `start`.
-KOKKOS_INLINE_FUNCTION double square_open_share(const double solid[4], int start) {
+KOKKOS_INLINE_FUNCTION double square_open_fraction(const double solid[4], int start) {
     double closed = 0;
     for (int t = 1; t <= 2; ++t) {
         const double s[3] = {solid[start], solid[t ^ start], solid[3 ^ start]};
-        closed += 0.5 * negative_share_triangle(s);
+        closed += 0.5 * negative_fraction_triangle(s);
     }
     return 1 - closed;
 }

@@ -22,8 +22,8 @@ struct PressureFaces {
     // surface, and liquid that slides along it could not do so without a strain.
     KOKKOS_INLINE_FUNCTION double open(int axis, std::size_t face) const {
         constexpr double round_off = 1e-9;
-        const double share = area.axis[axis](face);
-        return share < round_off ? 0.0 : share;
+        const double fraction = area.axis[axis](face);
+        return fraction < round_off ? 0.0 : fraction;
     }
     // True when the face's velocity is that of the liquid around: what passes a small opening may be any, and is not
     // for particles.
@@ -31,7 +31,7 @@ struct PressureFaces {
         return open(axis, face) > 0 && area.axis[axis](face) >= min_face_area_fraction;
     }
     KOKKOS_INLINE_FUNCTION bool is_liquid(std::size_t cell) const { return distance(cell) < 0; }
-    // theta: share of the way from a liquid cell's centre to that of one outside that is liquid.
+    // theta: fraction of the way from a liquid cell's centre to that of one outside that is liquid.
     KOKKOS_INLINE_FUNCTION double theta(std::size_t liquid, std::size_t outside) const {
         return math::max(distance(liquid) / (distance(liquid) - distance(outside)), min_theta);
     }
@@ -40,15 +40,15 @@ struct PressureFaces {
         const std::size_t below = above - static_cast<std::size_t>(stride[axis]);
         const bool wet = is_liquid(above), wet_below = is_liquid(below);
         if (!wet && !wet_below) return -1;
-        const double share = open(axis, above);
-        if (wet && wet_below) return share;
-        return share * (wet ? theta(above, below) : theta(below, above));
+        const double fraction = open(axis, above);
+        if (wet && wet_below) return fraction;
+        return fraction * (wet ? theta(above, below) : theta(below, above));
     }
     // The pressure at the surface between the two [Pa].
     KOKKOS_INLINE_FUNCTION double surface_pressure(std::size_t liquid, std::size_t outside) const {
         if (!has_jump) return 0;
-        const double share = theta(liquid, outside);
-        return (1 - share) * jump(liquid) + share * jump(outside);
+        const double fraction = theta(liquid, outside);
+        return (1 - fraction) * jump(liquid) + fraction * jump(outside);
     }
 };
 

@@ -56,13 +56,13 @@ struct SmallMatrix {
     }
 };
 
-// Share of a motion that a step along straight lines does not resolve: paths cross where dt times the size of the
+// Fraction of a motion that a step along straight lines does not resolve: paths cross where dt times the size of the
 // velocity gradient comes near one. From `resolved` on they bend along the velocities of the faces, at twice that in
 // full. Sizes are roots of the sum of all squares; a turn, which makes no paths cross, counts less.
-KOKKOS_INLINE_FUNCTION double bent_share(const SmallMatrix& gradient, double dt) {
-    constexpr double resolved = 0.5, share_of_turn = 0.6;
+KOKKOS_INLINE_FUNCTION double bending_weight(const SmallMatrix& gradient, double dt) {
+    constexpr double resolved = 0.5, rotation_weight = 0.6;
     const double strain = gradient.strain_squares(), turn = math::max(0.0, gradient.squares() - strain);
-    return math::max(0.0, math::min(1.0, dt * math::sqrt(strain + share_of_turn * turn) / resolved - 1));
+    return math::max(0.0, math::min(1.0, dt * math::sqrt(strain + rotation_weight * turn) / resolved - 1));
 }
 
 // The velocity gradient after particles have moved by dt along straight lines with the gradient g before: g (I + dt g)^-1. Where
@@ -70,8 +70,8 @@ KOKKOS_INLINE_FUNCTION double bent_share(const SmallMatrix& gradient, double dt)
 KOKKOS_INLINE_FUNCTION SmallMatrix carried_gradient(const SmallMatrix& g, double dt) {
     constexpr double most_strain = 0.5;
     const double strain = math::fabs(dt) * math::sqrt(g.strain_squares());
-    const double share = strain > most_strain ? most_strain / strain : 1.0;
-    return g.times(SmallMatrix::identity_plus(share * dt, g).inverse());
+    const double fraction = strain > most_strain ? most_strain / strain : 1.0;
+    return g.times(SmallMatrix::identity_plus(fraction * dt, g).inverse());
 }
 
 } // namespace treacle::grid

@@ -34,9 +34,9 @@ struct ClosingLoop {
     KOKKOS_INLINE_FUNCTION bool near_liquid(const int c[3]) const {
         int lo[3], hi[3];
         for (int k = 0; k < 3; ++k) {
-            const int reach = k < grid.dimensions ? most_cells : 0;
-            lo[k] = math::max(c[k] - reach, faces.window.lo[k]);
-            hi[k] = math::min(c[k] + reach, faces.window.hi[k] - 1);
+            const int radius = k < grid.dimensions ? most_cells : 0;
+            lo[k] = math::max(c[k] - radius, faces.window.lo[k]);
+            hi[k] = math::min(c[k] + radius, faces.window.hi[k] - 1);
         }
         for (int z = lo[2]; z <= hi[2]; ++z) {
             for (int y = lo[1]; y <= hi[1]; ++y) {

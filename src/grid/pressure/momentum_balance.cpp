@@ -59,7 +59,7 @@ bool is_constrained(const rigid::RigidBodies& bodies, std::size_t b) {
 }
 
 // Place of a label among those found, their number for none of them.
-std::size_t place_of(const std::vector<double>& found, double label) {
+std::size_t index_of(const std::vector<double>& found, double label) {
     return static_cast<std::size_t>(std::ranges::find(found, label) - found.begin());
 }
 } // namespace
@@ -120,8 +120,8 @@ void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirro
         }
     };
     for (int a = 0; a < scene.grid.dimensions; ++a) {
-        const auto& of = scene.shares[static_cast<std::size_t>(a)];
-        const auto fluid = on_host(scene.fluid.axis[a]), share = on_host(of.share);
+        const auto& of = scene.body_fractions[static_cast<std::size_t>(a)];
+        const auto fluid = on_host(scene.fluid.axis[a]), fraction = on_host(of.fraction);
         const auto first = on_host(of.first), body = on_host(of.body);
         for (int n = 0; n < around.size(); ++n) {
             int c[3];
@@ -133,9 +133,9 @@ void join_cells(const MomentumBalance::Scene& scene, const Array<int>::HostMirro
             if (!(solid > least_solid)) continue;
             for (int e = first(i); e < first(i + 1); ++e) {
                 const auto at = static_cast<std::size_t>(e);
-                solid -= share(at);
+                solid -= fraction(at);
                 const auto member = cells + static_cast<std::size_t>(body(at));
-                if (share(at) > 0) each_around(i, stride[a], [&](std::size_t cell) { sets.join(cell, member); });
+                if (fraction(at) > 0) each_around(i, stride[a], [&](std::size_t cell) { sets.join(cell, member); });
             }
             if (solid > least_solid) each_around(i, stride[a], [&](std::size_t cell) { rests[cell] = 1; });
         }
@@ -177,7 +177,7 @@ std::vector<double> MomentumBalance::group_bodies(Labels& labels, const rigid::R
     groups_.clear();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         const double of = labels.of_body(b);
-        const auto g = place_of(found, of);
+        const auto g = index_of(found, of);
         if (g == found.size()) {
             found.push_back(of);
             groups_.emplace_back();
@@ -206,7 +206,7 @@ void MomentumBalance::connect(const Comm& comm, const Scene& scene, const rigid:
         const bool wet = liquid(i) != 0; // read first: on a host build both are the same numbers
         group(i) = -1;
         if (!wet) continue;
-        const auto g = place_of(found, labels.of(i));
+        const auto g = index_of(found, labels.of(i));
         if (g == groups_.size()) continue;
         group(i) = static_cast<int>(g);
         touches[2 * g] += rests[i];

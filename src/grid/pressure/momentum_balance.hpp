@@ -24,10 +24,10 @@ public:
     struct Scene {
         const MacGrid& grid;
         CellHalo& halo;
-        const CellList& cells;         // of the particles
-        const Array<double>& distance; // [window] of cells' centres from the liquid's surface [m]
-        const FaceField& fluid;        // shares of the faces' cubes that are not solid
-        const FaceShares& shares;      // of bodies that move
+        const CellList& cells;                   // of the particles
+        const Array<double>& distance;           // [window] of cells' centres from the liquid's surface [m]
+        const FaceField& fluid;                  // fractions of the faces' cubes that are not solid
+        const FaceBodyFractions& body_fractions; // of bodies that move
         const GridParticles& particles;
         const Array<double>& particle_mass; // [liquids] [kg]
     };

@@ -78,7 +78,7 @@ void Pressure::build(const PressureContext& scene, bool goes_on) {
     matrix_.reset();
     system_.assemble(comm_, scene.halo, faces);
     update_motion(scene.bodies, scene.grid, motion_);
-    coupling_.build(system_, scene.grid, scene.fractions.face_fluid, scene.shares, motion_, scene.slip);
+    coupling_.build(system_, scene.grid, scene.fractions.face_fluid, scene.body_fractions, motion_, scene.slip);
     host_ = system_.to_host();
     const auto blocks = system_.blocks(host_);
     const auto rows = static_cast<std::size_t>(system_.rows());
@@ -94,11 +94,11 @@ void Pressure::build(const PressureContext& scene, bool goes_on) {
         }
     });
     if (!goes_on) least_residual_ = 0;
-    const auto places = static_cast<std::size_t>(scene.halo.window().size());
+    const auto window_size = static_cast<std::size_t>(scene.halo.window().size());
     reserve(right_hand_side_, rows);
     reserve(solution_, rows);
-    reserve(in_cells_, places);
-    reserve(pressures_, places);
+    reserve(in_cells_, window_size);
+    reserve(pressures_, window_size);
     if (!goes_on) Kokkos::deep_copy(pressures_, 0.0);
 }
 

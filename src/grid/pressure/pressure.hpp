@@ -11,9 +11,9 @@ namespace treacle::grid {
 struct PressureContext {
     const MacGrid& grid;
     CellHalo& halo;
-    const Array<double>& distance; // [m] of cell centres from the liquid's surface, < 0 inside
-    const Fractions& fractions;    // open, face_fluid
-    const FaceShares& shares;      // not used without bodies
+    const Array<double>& distance;           // [m] of cell centres from the liquid's surface, < 0 inside
+    const Fractions& fractions;              // open, face_fluid
+    const FaceBodyFractions& body_fractions; // not used without bodies
     const rigid::RigidBodies& bodies;
     double density = 0;                      // [kg/m3]
     double surface_tension = 0;              // [N/m]

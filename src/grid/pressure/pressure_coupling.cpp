@@ -12,15 +12,15 @@ struct CellBodies {
     PressureFaces faces;
     FaceField fluid;
     Array<int> first[3], body[3];
-    Array<double> share[3];
+    Array<double> fraction[3];
 
-    CellBodies(const PressureFaces& given, const FaceField& shares, const FaceShares& of)
-        : faces(given), fluid(shares) {
+    CellBodies(const PressureFaces& given, const FaceField& fluid_fractions, const FaceBodyFractions& of)
+        : faces(given), fluid(fluid_fractions) {
         for (int a = 0; a < 3; ++a) {
             const auto& bodies = of[static_cast<std::size_t>(a)];
             first[a] = bodies.first;
             body[a] = bodies.body;
-            share[a] = bodies.share;
+            fraction[a] = bodies.fraction;
         }
     }
 
@@ -33,17 +33,18 @@ struct CellBodies {
                 const double closed = 1 - faces.open(a, face), solid = 1 - fluid.axis[a](face);
                 if (!(closed > 0) || !(solid > 0)) continue;
                 for (int k = first[a](face); k < first[a](face + 1); ++k) {
-                    if (share[a](k) > 0) use(body[a](k), closed * share[a](k) / solid, a, face, side == 0 ? -1.0 : 1.0);
+                    if (fraction[a](k) > 0)
+                        use(body[a](k), closed * fraction[a](k) / solid, a, face, side == 0 ? -1.0 : 1.0);
                 }
             }
         }
     }
     // True when a body stands at one of the faces before this one, in the order of each().
     KOKKOS_INLINE_FUNCTION bool is_first(std::size_t cell, int number, int axis, std::size_t at, double at_sign) const {
-        bool reached = false, found = false;
+        bool passed = false, found = false;
         each(cell, [&](int b, double, int a, std::size_t face, double sign) {
-            reached = reached || (a == axis && face == at && sign == at_sign);
-            found = found || (!reached && b == number);
+            passed = passed || (a == axis && face == at && sign == at_sign);
+            found = found || (!passed && b == number);
         });
         return !found;
     }
@@ -88,9 +89,10 @@ MotionPoints SlipAreas::points(const MacGrid& grid) const {
     return points;
 }
 
-int PressureCoupling::count(const PressureSystem& system, const FaceField& fluid, const FaceShares& shares) {
+int PressureCoupling::count(
+    const PressureSystem& system, const FaceField& fluid, const FaceBodyFractions& body_fractions) {
     reserve(offset_, static_cast<std::size_t>(system.rows()) + 1);
-    const CellBodies bodies(system.faces(), fluid, shares);
+    const CellBodies bodies(system.faces(), fluid, body_fractions);
     const auto offset = offset_, cell_of = system.cell_of();
     Kokkos::parallel_for(
         "treacle::count_couplings", system.rows(), KOKKOS_LAMBDA(int r) {
@@ -105,18 +107,18 @@ int PressureCoupling::count(const PressureSystem& system, const FaceField& fluid
 }
 
 void PressureCoupling::build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid,
-    const FaceShares& shares, const BodyMotion& motion, const SlipAreas& slip) {
+    const FaceBodyFractions& body_fractions, const BodyMotion& motion, const SlipAreas& slip) {
     bodies_ = static_cast<std::size_t>(motion.bodies);
     face_ = std::pow(grid.dx, grid.dimensions - 1);
     rows_ = system.rows();
     entries_.clear();
     if (bodies_ == 0) return;
-    const int n = count(system, fluid, shares);
+    const int n = count(system, fluid, body_fractions);
     reserve(body_, static_cast<std::size_t>(n));
     reserve(u_, 6 * static_cast<std::size_t>(n));
     Kokkos::parallel_for("treacle::couplings", system.rows(),
-        CouplingLoop{CellBodies(system.faces(), fluid, shares), slip.points(grid), motion, system.cell_of(), offset_,
-            body_, u_});
+        CouplingLoop{CellBodies(system.faces(), fluid, body_fractions), slip.points(grid), motion, system.cell_of(),
+            offset_, body_, u_});
     const auto offset = on_host(offset_), body = on_host(body_);
     const auto u = on_host(u_);
     for (int r = 0; r < system.rows() && n > 0; ++r) {

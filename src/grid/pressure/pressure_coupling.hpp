@@ -10,7 +10,7 @@
 namespace treacle::grid {
 
 // Shares of moving bodies in the faces' cubes, by the axis of the face.
-using FaceShares = std::array<BodyShares, 3>;
+using FaceBodyFractions = std::array<BodyFractions, 3>;
 
 // Points at which the motion of a body counts at a face: the middle of the face, and for a body that liquid slides along the
 // centre of the face's closed part (closed_centres.hpp). In kernels.
@@ -44,9 +44,9 @@ struct SlipAreas {
 // cells; the pressure loads them with dx^2 J^T p.
 class PressureCoupling {
 public:
-    // The rows J of this rank's cells, for the places of the bodies. `fluid`: shares of the cubes around faces.
-    void build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid, const FaceShares& shares,
-        const BodyMotion& motion, const SlipAreas& slip = {});
+    // The rows J of this rank's cells, for the poses of the bodies. `fluid`: fractions of the cubes around faces.
+    void build(const PressureSystem& system, const MacGrid& grid, const FaceField& fluid,
+        const FaceBodyFractions& body_fractions, const BodyMotion& motion, const SlipAreas& slip = {});
 
     // out -= scale J V, on this rank's rows; of all bodies that move.
     void subtract_flux(const BodyMotion& motion, double scale, const Array<double>& out) const;
@@ -72,7 +72,7 @@ public:
     const std::vector<Entry>& entries() const { return entries_; }
 
     // Part of build(); not private, since nvcc takes no kernel in a private function.
-    int count(const PressureSystem& system, const FaceField& fluid, const FaceShares& shares);
+    int count(const PressureSystem& system, const FaceField& fluid, const FaceBodyFractions& body_fractions);
 
 private:
     std::vector<double> sums(const Comm& comm, std::span<const double> x) const;

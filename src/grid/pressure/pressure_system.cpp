@@ -103,7 +103,7 @@ struct RisingRow {
 
 struct FillLoop {
     PressureFaces faces;
-    Array<int> row_of, cell_of, place;
+    Array<int> row_of, cell_of, halo_column;
     PressureSystem::Block own, other;
     Array<double> dirichlet_diagonal;
     int first, rows;
@@ -125,7 +125,7 @@ struct FillLoop {
             if (column >= 0 && column < rows) {
                 here.add(column, -area);
             } else {
-                there.add(place(next), -area);
+                there.add(halo_column(next), -area);
             }
         });
         here.add(r, diagonal + surface);
@@ -181,8 +181,8 @@ struct GradientLoop {
 } // namespace
 
 void PressureSystem::number_rows(const Comm& comm, CellHalo& halo) {
-    const auto places = static_cast<std::size_t>(faces_.window.size());
-    reserve(row_of_, places);
+    const auto window_size = static_cast<std::size_t>(faces_.window.size());
+    reserve(row_of_, window_size);
     Kokkos::deep_copy(row_of_, -1);
     const BlockOrder order(owned_);
     NumberLoop loop{faces_, order, row_of_, cell_of_, 0, false};
@@ -212,8 +212,8 @@ void PressureSystem::connect_halo(const Comm& comm, const CellHalo& halo) {
                 for (int i = 0; i < side.size(); ++i) {
                     int c[3];
                     side.cell(i, c);
-                    const int place = window.index(c[0], c[1], c[2]);
-                    if (is_other(row(static_cast<std::size_t>(place)))) use(place);
+                    const int index = window.index(c[0], c[1], c[2]);
+                    if (is_other(row(static_cast<std::size_t>(index)))) use(index);
                 }
             }
         }
@@ -223,14 +223,14 @@ void PressureSystem::connect_halo(const Comm& comm, const CellHalo& halo) {
     std::sort(columns_.begin(), columns_.end());
     columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
     halo_.connect(comm, first_row_, columns_);
-    reserve(place_, static_cast<std::size_t>(window.size()));
-    auto place = Kokkos::create_mirror_view(place_);
+    reserve(halo_column_, static_cast<std::size_t>(window.size()));
+    auto halo_column = Kokkos::create_mirror_view(halo_column_);
     each_neighbour([&](int at) {
         const auto number = row(static_cast<std::size_t>(at));
-        place(static_cast<std::size_t>(at)) =
+        halo_column(static_cast<std::size_t>(at)) =
             static_cast<int>(std::lower_bound(columns_.begin(), columns_.end(), number) - columns_.begin());
     });
-    Kokkos::deep_copy(place_, place);
+    Kokkos::deep_copy(halo_column_, halo_column);
 }
 
 void PressureSystem::count_entries() {
@@ -249,8 +249,8 @@ void PressureSystem::count_entries() {
 void PressureSystem::fill() {
     reserve(dirichlet_diagonal_, static_cast<std::size_t>(rows_));
     Kokkos::parallel_for("treacle::fill_pressure_matrix", rows_,
-        FillLoop{
-            faces_, row_of_, cell_of_, place_, own_, other_, dirichlet_diagonal_, static_cast<int>(first_row_), rows_});
+        FillLoop{faces_, row_of_, cell_of_, halo_column_, own_, other_, dirichlet_diagonal_,
+            static_cast<int>(first_row_), rows_});
 }
 
 void PressureSystem::assemble(const Comm& comm, CellHalo& halo, const PressureFaces& faces) {
@@ -290,7 +290,7 @@ void PressureSystem::to_cells(const Array<double>& solution, const Array<double>
 }
 
 std::size_t PressureSystem::bytes() const {
-    std::size_t total = 4 * (row_of_.span() + cell_of_.span() + place_.span() + columns_.capacity()) +
+    std::size_t total = 4 * (row_of_.span() + cell_of_.span() + halo_column_.span() + columns_.capacity()) +
                         8 * dirichlet_diagonal_.span() + halo_.bytes();
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();

@@ -66,7 +66,7 @@ private:
     std::vector<int> columns_; // scratch of connect_halo
     Array<int> row_of_{"treacle::pressure_row", 0};
     Array<int> cell_of_{"treacle::pressure_cell", 0};
-    Array<int> place_{"treacle::pressure_place", 0}; // [window] of other ranks' rows: place in the halo
+    Array<int> halo_column_{"treacle::pressure_halo_column", 0}; // [window] of other ranks' rows: column of the halo
     Array<double> dirichlet_diagonal_{"treacle::dirichlet_diagonal", 0};
     int rows_ = 0;
     std::int64_t first_row_ = 0, global_rows_ = 0;

@@ -42,8 +42,8 @@ void RestingSolids::renumber(const Array<int>& number, std::size_t n, Array<int>
     const auto to = out, counts = counts_;
     Kokkos::parallel_for(
         "treacle::resting_numbers", static_cast<int>(n), KOKKOS_LAMBDA(int i) {
-            const int place = number(i) == Solids::nothing ? -1 : Solids::place(number(i));
-            to(i) = place >= 0 && counts(place) != 0 ? place : -1;
+            const int slot = number(i) == Solids::nothing ? -1 : Solids::slot(number(i));
+            to(i) = slot >= 0 && counts(slot) != 0 ? slot : -1;
         });
 }
 
@@ -58,27 +58,27 @@ void RestingSolids::find(const Solids& solids, const FractionBuilder& builder, c
     any_found_ = true;
     found_ = nodes.window;
     renumber(solids.number(), nodes.size(), number_);
-    builder.build_body_shares(nodes, solids.distance(), number_, counts_, shares_.data());
+    builder.build_body_fractions(nodes, solids.distance(), number_, counts_, body_fractions_.data());
 }
 
 void RestingSolids::add_velocities(
     int axis, const CellBox& window, const Array<double>& factor, const Array<double>& out) const {
-    const auto& of = shares_[static_cast<std::size_t>(axis)];
+    const auto& of = body_fractions_[static_cast<std::size_t>(axis)];
     const auto first = of.first, which = of.body;
-    const auto share = of.share, frame = motion_.frame;
+    const auto fraction = of.fraction, frame = motion_.frame;
     const bool scaled = factor.extent(0) > 0;
     Kokkos::parallel_for(
         "treacle::add_side_velocities", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
             double sum = 0;
             for (int k = first(i); k < first(i + 1); ++k)
-                sum += share(k) * frame(BodyMotion::width * which(k) + 3 + axis);
+                sum += fraction(k) * frame(BodyMotion::width * which(k) + 3 + axis);
             if (sum != 0) out(i) += (scaled ? factor(i) : 1.0) * sum;
         });
 }
 
 std::size_t RestingSolids::bytes() const {
     std::size_t total = 4 * (counts_.span() + number_.span()) + 8 * motion_.frame.span();
-    for (const auto& of : shares_) total += 4 * (of.first.span() + of.body.span()) + 8 * of.share.span();
+    for (const auto& of : body_fractions_) total += 4 * (of.first.span() + of.body.span()) + 8 * of.fraction.span();
     return total;
 }
 

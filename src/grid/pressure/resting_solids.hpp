@@ -16,9 +16,11 @@ public:
     // Local. For the solids as `builder` found the fluid's fractions of them last.
     void find(const Solids& solids, const FractionBuilder& builder, const rigid::RigidBodies& bodies);
 
-    std::size_t count() const { return count_; }         // 6 sides and all bodies
-    const FaceShares& shares() const { return shares_; } // [window], by the axis that the faces are across
-    // All about one point, the middle of periodic axes, so that a place and its images have one arm.
+    std::size_t count() const { return count_; } // 6 sides and all bodies
+    const FaceBodyFractions& body_fractions() const {
+        return body_fractions_;
+    } // [window], by the axis that the faces are across
+    // All about one point, the middle of periodic axes, so that a position and its images have one arm.
     const BodyMotion& motion() const { return motion_; }
     // Loads about that point become those about the origin.
     void about_origin(std::vector<double>& loads) const;
@@ -33,7 +35,7 @@ public:
 
 private:
     std::size_t count_ = 0;
-    FaceShares shares_;
+    FaceBodyFractions body_fractions_;
     BodyMotion motion_;
     Vec3 centre_{0, 0, 0};
     bool any_moves_ = false;

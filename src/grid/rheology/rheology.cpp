@@ -22,7 +22,7 @@ CellBox within(CellBox window, int layers, int dimensions) {
 // v = W_F u + sum_b W_S R V of the faces across one axis.
 struct MeanVelocityLoop {
     Array<double> u, fluid, out;
-    BodyShares shares; // without rows where no body moves
+    BodyFractions body_fractions; // without rows where no body moves
     BodyMotion motion;
     MacGrid grid;
     CellBox window, box;
@@ -34,13 +34,13 @@ struct MeanVelocityLoop {
         box.cell(n, c);
         const int i = window.index(c[0], c[1], c[2]);
         double sum = fluid(i) * u(i);
-        const bool bodies = shares.first.extent(0) > 0;
-        for (int k = bodies ? shares.first(i) : 0; bodies && k < shares.first(i + 1); ++k) {
+        const bool bodies = body_fractions.first.extent(0) > 0;
+        for (int k = bodies ? body_fractions.first(i) : 0; bodies && k < body_fractions.first(i + 1); ++k) {
             double x[3], r[3];
             grid.face(axis, c, x);
-            motion.arm(shares.body(k), x, r);
-            const int b = shares.body(k);
-            sum += shares.share(k) * (motion.rigid_velocity(b, axis, r) - carried * motion.bend(b, axis, r));
+            motion.arm(body_fractions.body(k), x, r);
+            const int b = body_fractions.body(k);
+            sum += body_fractions.fraction(k) * (motion.rigid_velocity(b, axis, r) - carried * motion.bend(b, axis, r));
         }
         out(i) = sum;
     }
@@ -128,8 +128,9 @@ void find_mean_velocities(const StrainContext& scene, const FaceField& velocity,
     for (int a = 0; a < scene.grid.dimensions; ++a) {
         reserve(out.axis[a], static_cast<std::size_t>(window.size()));
         Kokkos::parallel_for("treacle::mean_velocities", static_cast<int>(box.size()),
-            MeanVelocityLoop{velocity.axis[a], scene.grip.face_fluid.axis[a], out.axis[a],
-                scene.shares[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a, scene.carried});
+            MeanVelocityLoop{velocity.axis[a], scene.no_slip_fractions.face_fluid.axis[a], out.axis[a],
+                scene.body_fractions[static_cast<std::size_t>(a)], scene.motion, scene.grid, window, box, a,
+                scene.carried});
         if (scene.resting) scene.resting->add_velocities(a, window, {}, out.axis[a]);
     }
 }
@@ -238,9 +239,9 @@ void Rheology::compute_rates(const StrainContext& scene, const FaceField& veloci
     for (int k = 0; k < 3; ++k) strains.normal[k] = normal_[k];
     strains.shear = shear_;
     strains.cell_liquid_clipped = scene.fractions.cell_liquid_clipped;
-    strains.cell_fluid = scene.grip.cell_fluid;
+    strains.cell_fluid = scene.no_slip_fractions.cell_fluid;
     strains.edge_liquid_clipped = scene.fractions.edge_liquid_clipped;
-    strains.edge_fluid = scene.grip.edge_fluid;
+    strains.edge_fluid = scene.no_slip_fractions.edge_fluid;
     strains.carried = scene.strains ? scene.carried : 0.0;
     for (int k = 0; k < 3 && scene.strains; ++k) strains.step_normal[k] = scene.strains->normal(k);
     if (scene.strains) strains.step_shear = scene.strains->shear();
@@ -252,10 +253,10 @@ void Rheology::compute_rates(const StrainContext& scene, const FaceField& veloci
 void Rheology::mean(
     const StrainContext& scene, const LiquidScene& liquids, int node, const Array<double>& rate, Array<double>& out) {
     const CellBox window = scene.halo.window();
-    const auto places = static_cast<std::size_t>(window.size());
+    const auto window_size = static_cast<std::size_t>(window.size());
     const int n = static_cast<int>(window.size());
     for (auto* array : {&out, &total_}) {
-        reserve(*array, places);
+        reserve(*array, window_size);
         Kokkos::deep_copy(*array, 0.0);
     }
     const auto gather_one = [&](const auto& use) {

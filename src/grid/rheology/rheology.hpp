@@ -19,15 +19,16 @@ struct StrainContext {
     const MacGrid& grid;
     CellHalo& halo;
     const Fractions& fractions; // cell_liquid_clipped, edge_liquid_clipped
-    const Fractions& grip;      // of the solids that liquid does not slide along: cell_fluid, face_fluid, edge_fluid
-    const FaceShares& shares;   // of gripping bodies
+    const Fractions&
+        no_slip_fractions; // of the solids that liquid does not slide along: cell_fluid, face_fluid, edge_fluid
+    const FaceBodyFractions& body_fractions; // of no-slip bodies
     const BodyMotion& motion;
     const ViscosityOptions& options; // which stresses there are
     // Velocities that have been carried along straight lines since the middle of the last step strain by -carried (S) of what does
     // not strain; solids likewise.
     const StepStrains* strains = nullptr;
     double carried = 0;                     // length of the last step over that of this one
-    const RestingSolids* resting = nullptr; // those that grip, where sides of the domain move
+    const RestingSolids* resting = nullptr; // the no-slip ones, where sides of the domain move
 };
 
 // Viscosities that depend on the shear rate G = sqrt(2 D : D). The strains D are those of the viscous stresses (V1), each

@@ -51,8 +51,8 @@ void smooth(
     const CellBox cells = halo.owned();
     Kokkos::deep_copy(scratch, 0.0);
     for (int pass = 0; pass < times; ++pass) {
-        Kokkos::parallel_for(
-            "treacle::smooth_share", static_cast<int>(cells.size()), SmoothLoop{faces, cells, edge, values, scratch});
+        Kokkos::parallel_for("treacle::smooth_fraction", static_cast<int>(cells.size()),
+            SmoothLoop{faces, cells, edge, values, scratch});
         halo.gather({scratch});
         std::swap(values, scratch);
     }
@@ -63,7 +63,7 @@ struct CurvatureLoop {
     PressureFaces faces;
     CellBox cells;
     double dx;
-    Array<double> share, curvature;
+    Array<double> fraction, curvature;
 
     KOKKOS_INLINE_FUNCTION void gradient(int at, int corner, double g[3]) const {
         for (int n = 0; n < (faces.dimensions == 2 ? 4 : 8); ++n) {
@@ -71,7 +71,7 @@ struct CurvatureLoop {
             for (int a = 0; a < faces.dimensions; ++a) {
                 other += ((corner >> a & 1) - 1 + (n >> a & 1)) * static_cast<int>(faces.stride[a]);
             }
-            const double value = share(other);
+            const double value = fraction(other);
             for (int a = 0; a < faces.dimensions; ++a) g[a] += n >> a & 1 ? value : -value;
         }
     }
@@ -97,20 +97,20 @@ struct SurfaceLoop {
     PressureFaces faces;
     CellBox cells;
     double dx;
-    double once_share,
-        twice_share; // of the smoothed shares in the one whose surface lies where that of the liquid does
+    double once_weight,
+        twice_weight; // of the smoothed fractions in the one whose surface lies where that of the liquid does
     Array<double> once, twice, curvature, of_twice;
 
-    KOKKOS_INLINE_FUNCTION double share(int at) const { return once_share * once(at) + twice_share * twice(at); }
+    KOKKOS_INLINE_FUNCTION double fraction(int at) const { return once_weight * once(at) + twice_weight * twice(at); }
     KOKKOS_INLINE_FUNCTION double distance(int at) const { // [dx]
         double slope2 = 0;
         for (int a = 0; a < faces.dimensions; ++a) {
             const int s = static_cast<int>(faces.stride[a]);
-            const double slope = 0.5 * (share(at + s) - share(at - s));
+            const double slope = 0.5 * (fraction(at + s) - fraction(at - s));
             slope2 += slope * slope;
         }
         const double least = 1e-6;
-        return math::max(-farthest, math::min((0.5 - share(at)) / math::max(math::sqrt(slope2), least), farthest));
+        return math::max(-farthest, math::min((0.5 - fraction(at)) / math::max(math::sqrt(slope2), least), farthest));
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
@@ -142,42 +142,43 @@ void liquid_in_solids(CellHalo& halo, const PressureFaces& faces, const Fraction
 }
 } // namespace
 
-void Curvature::find(const MacGrid& grid, CellHalo& halo, Array<double>& share) {
+void Curvature::find(const MacGrid& grid, CellHalo& halo, Array<double>& fraction) {
     const auto faces = pressure_faces(halo.window(), grid.dimensions);
     const CellBox owned = halo.owned();
-    const int cells = static_cast<int>(owned.size()), places = static_cast<int>(halo.window().size());
+    const int cells = static_cast<int>(owned.size()), window_size = static_cast<int>(halo.window().size());
     for (auto* array : {&twice_, &scratch_, &curvature_, &curvature_twice_}) {
-        reserve(*array, static_cast<std::size_t>(places));
+        reserve(*array, static_cast<std::size_t>(window_size));
         Kokkos::deep_copy(*array, 0.0);
     }
-    halo.gather({share});
-    smooth(halo, faces, passes, 0.25, share, scratch_);
-    const auto once = share, copy = twice_;
+    halo.gather({fraction});
+    smooth(halo, faces, passes, 0.25, fraction, scratch_);
+    const auto once = fraction, copy = twice_;
     Kokkos::parallel_for(
-        "treacle::copy_share", places, KOKKOS_LAMBDA(int i) { copy(i) = once(i); });
+        "treacle::copy_fraction", window_size, KOKKOS_LAMBDA(int i) { copy(i) = once(i); });
     smooth(halo, faces, passes, 0.25, twice_, scratch_);
-    Kokkos::parallel_for("treacle::curvature", cells, CurvatureLoop{faces, owned, grid.dx, share, curvature_});
+    Kokkos::parallel_for("treacle::curvature", cells, CurvatureLoop{faces, owned, grid.dx, fraction, curvature_});
     Kokkos::parallel_for("treacle::curvature", cells, CurvatureLoop{faces, owned, grid.dx, twice_, curvature_twice_});
     // A surface moves by half its curvature times the variance, and slopes fall as the deviation rises.
-    const double twice_share = -1 / (std::sqrt(second_variance / first_variance) - 1);
+    const double twice_weight = -1 / (std::sqrt(second_variance / first_variance) - 1);
     Kokkos::parallel_for("treacle::surface_curvature", cells,
-        SurfaceLoop{faces, owned, grid.dx, 1 - twice_share, twice_share, share, twice_, curvature_, curvature_twice_});
+        SurfaceLoop{
+            faces, owned, grid.dx, 1 - twice_weight, twice_weight, fraction, twice_, curvature_, curvature_twice_});
     halo.gather({curvature_});
 }
 
 void Curvature::find(const Scene& scene) {
     auto& halo = scene.halo;
     const auto faces = pressure_faces(halo.window(), scene.grid.dimensions);
-    const int places = static_cast<int>(halo.window().size());
-    for (auto* array : {&share_, &twice_, &scratch_}) reserve(*array, static_cast<std::size_t>(places));
+    const int window_size = static_cast<int>(halo.window().size());
+    for (auto* array : {&fraction_, &twice_, &scratch_}) reserve(*array, static_cast<std::size_t>(window_size));
     liquid_in_solids(halo, faces, scene.fractions, twice_, scratch_);
     fluidity_sums(
-        scene.grid, {scene.particles, scene.cells, scene.particle_mass}, halo.window(), 0, {share_, scratch_});
-    const auto share = share_, more = twice_;
+        scene.grid, {scene.particles, scene.cells, scene.particle_mass}, halo.window(), 0, {fraction_, scratch_});
+    const auto fraction = fraction_, more = twice_;
     const double mass = scene.density * std::pow(scene.grid.dx, 3);
     Kokkos::parallel_for(
-        "treacle::liquid_share", places, KOKKOS_LAMBDA(int i) { share(i) = share(i) / mass + more(i); });
-    find(scene.grid, halo, share_);
+        "treacle::liquid_fraction", window_size, KOKKOS_LAMBDA(int i) { fraction(i) = fraction(i) / mass + more(i); });
+    find(scene.grid, halo, fraction_);
 }
 
 } // namespace treacle::grid

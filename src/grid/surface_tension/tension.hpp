@@ -23,14 +23,14 @@ public:
     const Array<double>& at_centres() const { return tension_; } // [window] [N/m]
 
     // Memory of this rank [bytes].
-    std::size_t bytes() const { return 8 * (mass_.span() + share_.span() + scratch_.span() + tension_.span()); }
+    std::size_t bytes() const { return 8 * (mass_.span() + weighted_sum_.span() + scratch_.span() + tension_.span()); }
 
 private:
     std::vector<double> of_liquids_;
     bool differ_ = false;
     double largest_ = 0;
     Array<double> weighted_mass_{"treacle::tension_by_mass", 0}; // [liquids]
-    Array<double> mass_{"treacle::tension_mass", 0}, share_{"treacle::tension_share", 0},
+    Array<double> mass_{"treacle::tension_mass", 0}, weighted_sum_{"treacle::tension_weighted_sum", 0},
         scratch_{"treacle::tension_scratch", 0};
     Array<double> tension_{"treacle::tensions", 0};
 };

@@ -33,9 +33,9 @@ KOKKOS_INLINE_FUNCTION SmallMatrix carry(const SmallMatrix& gradient, double dt)
     auto carried = carried_gradient(gradient, dt);
     const double before = gradient.squares(), after = carried.squares();
     if (!(after > before)) return carried;
-    const double share = math::sqrt(before / after);
+    const double factor = math::sqrt(before / after);
     for (int a = 0; a < 3; ++a) {
-        for (int b = 0; b < 3; ++b) carried.at[a][b] *= share;
+        for (int b = 0; b < 3; ++b) carried.at[a][b] *= factor;
     }
     return carried;
 }
@@ -81,7 +81,7 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
                 gradient.at[1][k] = uy(i, k);
                 gradient.at[2][k] = uz(i, k);
             }
-            trace(how.faces, speed, bent_share(gradient, dt), dt, to);
+            trace(how.faces, speed, bending_weight(gradient, dt), dt, to);
             const auto carried = carry(gradient, dt);
             for (int k = 0; k < 3; ++k) {
                 ux(i, k) = carried.at[0][k];

@@ -5,19 +5,19 @@ namespace treacle::grid {
 namespace {
 // Places that stand alike in their cells: bit k of `node`: at the lower end along axis k, else in the middle.
 struct Weights {
-    int index;       // of the place with the smallest coordinates
-    double share[3]; // of the upper place along each axis
-    double away[3];  // [m] from the particle to the lower place
+    int index;              // of the node with the smallest coordinates
+    double upper_weight[3]; // of the upper node along each axis
+    double away[3];         // [m] from the particle to the lower node
 
     KOKKOS_INLINE_FUNCTION Weights(const double p[3], int node, double dx, const CellBox& window, int dimensions) {
         int base[3] = {0, 0, window.lo[2]};
         for (int k = 0; k < 3; ++k) {
-            share[k] = away[k] = 0;
+            upper_weight[k] = away[k] = 0;
             if (k >= dimensions) continue;
             const double s = p[k] - (node >> k & 1 ? 0.0 : 0.5);
             base[k] = static_cast<int>(math::floor(s));
-            share[k] = s - base[k];
-            away[k] = -share[k] * dx;
+            upper_weight[k] = s - base[k];
+            away[k] = -upper_weight[k] * dx;
         }
         index = window.index(base[0], base[1], base[2]);
     }
@@ -80,8 +80,9 @@ KOKKOS_INLINE_FUNCTION void spread(
     for (int z = 0; z <= up; ++z) {
         for (int y = 0; y < 2; ++y) {
             const int i = w.index + y * dy + z * dz;
-            const double m = from.mass * (y ? w.share[1] : 1 - w.share[1]) * (z ? w.share[2] : 1 - w.share[2]);
-            const double low = m * (1 - w.share[0]), high = m * w.share[0];
+            const double m = from.mass * (y ? w.upper_weight[1] : 1 - w.upper_weight[1]) *
+                             (z ? w.upper_weight[2] : 1 - w.upper_weight[2]);
+            const double low = m * (1 - w.upper_weight[0]), high = m * w.upper_weight[0];
             const double value = at_base + dx * (y * gradient[1] + z * gradient[2]);
             masses(i) += low;
             masses(i + 1) += high;
@@ -205,18 +206,18 @@ void pressures_to_particles(
     const MacGrid& grid, const CellBox& window, const Array<double>& pressure, const GridParticles& particles) {
     const auto x = particles.position();
     const auto out = particles.pressure();
-    const MacGrid places = grid;
+    const MacGrid staggered = grid;
     Kokkos::parallel_for(
         "treacle::pressures_to_particles", particles.store.owned(), KOKKOS_LAMBDA(int k) {
             int base[3] = {0, 0, window.lo[2]};
             double s[3] = {0, 0, 0};
-            for (int a = 0; a < places.dimensions; ++a) {
-                const double p = (x(k, a) - places.lower[a]) / places.dx - 0.5;
+            for (int a = 0; a < staggered.dimensions; ++a) {
+                const double p = (x(k, a) - staggered.lower[a]) / staggered.dx - 0.5;
                 base[a] = static_cast<int>(math::floor(p));
                 s[a] = p - base[a];
             }
             double sum = 0;
-            for (int n = 0; n < (places.dimensions == 2 ? 4 : 8); ++n) {
+            for (int n = 0; n < (staggered.dimensions == 2 ? 4 : 8); ++n) {
                 const int i = n & 1, j = n >> 1 & 1, l = n >> 2;
                 const double weight = (i ? s[0] : 1 - s[0]) * (j ? s[1] : 1 - s[1]) * (l ? s[2] : 1 - s[2]);
                 sum += weight * pressure(window.index(base[0] + i, base[1] + j, base[2] + l));

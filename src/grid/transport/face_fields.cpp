@@ -45,14 +45,14 @@ void accelerate(
     }
 }
 
-void mark_valid_faces(const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx,
+void mark_valid_faces(const PressureFaces& faces, const WetFractions& wet, const DiffusionNumber& viscosity, double dx,
     FaceValidity& known) {
     const double least = wet.least;
     const bool viscous = viscosity.cell.extent(0) > 0;
     for (int a = 0; a < faces.dimensions; ++a) {
         reserve(known.axis[a], static_cast<std::size_t>(faces.window.size()));
         const auto mark = known.axis[a];
-        const auto share = wet.share.axis[a];
+        const auto fraction = wet.fraction.axis[a];
         Kokkos::parallel_for(
             "treacle::mark_valid_faces", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
                 int c[3];
@@ -61,10 +61,10 @@ void mark_valid_faces(const PressureFaces& faces, const WetShares& wet, const Di
                 const auto below =
                     c[a] > faces.window.lo[a] ? above - static_cast<std::size_t>(faces.stride[a]) : above;
                 const bool beside = faces.is_liquid(above) || faces.is_liquid(below);
-                const bool held =
-                    viscous && share(i) >= least &&
+                const bool is_viscous =
+                    viscous && fraction(i) >= least &&
                     math::max(viscosity.diffusion_number(above, dx), viscosity.diffusion_number(below, dx)) >= 1;
-                mark(i) = (beside || held) && faces.carries(a, above) ? 1 : 0;
+                mark(i) = (beside || is_viscous) && faces.carries(a, above) ? 1 : 0;
             });
     }
 }
@@ -78,15 +78,15 @@ struct TurnLoop {
     Array<int> number;
     BodyMotion motion;
     FaceSampler from;
-    WallCondition grip;
+    WallCondition condition;
     FaceField to;
 
     // u, relative to the solid at x in it, becomes that of a velocity that falls linearly to the solid's.
-    KOKKOS_INLINE_FUNCTION void hold(
+    KOKKOS_INLINE_FUNCTION void apply_no_slip(
         int solid_number, double depth, const double x[3], const double n[3], double u[3]) const {
         const double dx = grid.dx;
         if (solid_number == Solids::nothing || depth > 1.25 * dx) return;
-        const double length = grip.length(Solids::place(solid_number));
+        const double length = condition.length(Solids::slot(solid_number));
         if (!math::isfinite(length)) return; // free slip
         double off[3], there[3], moved[3];
         int c[3] = {0, 0, from.window.lo[2]};
@@ -99,12 +99,13 @@ struct TurnLoop {
         from.velocity(off, there);
         motion.velocity(solid_number, off, moved);
         const double spread =
-            grip.viscosity.diffusion_number(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
-        const double grown = spread / (spread + 1), share = (length - depth) / (length + dx);
-        for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (share * (there[k] - moved[k]) - u[k]);
+            condition.viscosity.diffusion_number(static_cast<std::size_t>(from.window.index(c[0], c[1], c[2])), dx);
+        const double grown = spread / (spread + 1), fraction = (length - depth) / (length + dx);
+        for (int k = 0; k < faces.dimensions; ++k) u[k] += grown * (fraction * (there[k] - moved[k]) - u[k]);
     }
     KOKKOS_INLINE_FUNCTION bool sticks(int solid_number) const {
-        return grip.any && solid_number != Solids::nothing && math::isfinite(grip.length(Solids::place(solid_number)));
+        return condition.any && solid_number != Solids::nothing &&
+               math::isfinite(condition.length(Solids::slot(solid_number)));
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
@@ -124,18 +125,18 @@ struct TurnLoop {
             from.velocity(x, u);
             const double steep = 1 / math::sqrt(square);
             for (int k = 0; k < 3; ++k) n[k] *= steep, u[k] -= v[k];
-            if (grip.any) hold(nearest, math::max(-distance, 0.0), x, n, u);
+            if (condition.any) apply_no_slip(nearest, math::max(-distance, 0.0), x, n, u);
             double along = 0;
             for (int k = 0; k < faces.dimensions; ++k) along += u[k] * n[k];
-            const bool leaves =
-                grip.leaves.extent(0) > 0 && (grip.leaves(at) != 0 || grip.leaves(at - faces.stride[a]) != 0);
+            const bool leaves = condition.leaves.extent(0) > 0 &&
+                                (condition.leaves(at) != 0 || condition.leaves(at - faces.stride[a]) != 0);
             to.axis[a](at) = v[a] + u[a] - (leaves ? math::min(along, 0.0) : along) * n[a];
         }
     }
 };
 } // namespace
 
-void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip,
+void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& condition,
     const FaceField& velocity, FaceField& scratch) {
     const auto& [grid, halo, faces] = scene;
     const CellBox owned = halo.owned();
@@ -143,7 +144,7 @@ void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const W
         copy_faces(grid, halo.window(), velocity, scratch);
         Kokkos::parallel_for("treacle::enforce_wall_velocity", static_cast<int>(owned.size()),
             TurnLoop{grid, owned, faces, solids.sampler(), solids.number(), solids.motion(),
-                FaceSampler(grid, halo.window(), scratch), grip, velocity});
+                FaceSampler(grid, halo.window(), scratch), condition, velocity});
     }
     gather_faces(grid, halo, velocity);
 }
@@ -151,22 +152,22 @@ void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const W
 namespace {
 void find_changes(int axis, int n, const Extrapolated& with, const Array<int>& known, const Array<double>& velocity) {
     const auto start = with.start.axis[axis], change = with.change.axis[axis];
-    const auto reached = with.reached.axis[axis];
+    const auto extrapolated = with.extrapolated.axis[axis];
     Kokkos::parallel_for(
         "treacle::find_changes", n, KOKKOS_LAMBDA(int i) {
             change(i) = known(i) != 0 ? velocity(i) - start(i) : 0.0;
-            reached(i) = known(i);
+            extrapolated(i) = known(i);
         });
 }
 
 void add_changes(int axis, const PressureFaces& faces, const Extrapolated& with, const Array<int>& known,
     const Array<double>& velocity) {
     const auto start = with.start.axis[axis], mass = with.mass.axis[axis], change = with.change.axis[axis];
-    const auto reached = with.reached.axis[axis];
+    const auto extrapolated = with.extrapolated.axis[axis];
     Kokkos::parallel_for(
         "treacle::add_changes", static_cast<int>(faces.window.size()), KOKKOS_LAMBDA(int i) {
             const bool in_air = faces.carries(axis, static_cast<std::size_t>(i));
-            if (known(i) != 0 || reached(i) == 0 || !(mass(i) > 0) || !in_air) return;
+            if (known(i) != 0 || extrapolated(i) == 0 || !(mass(i) > 0) || !in_air) return;
             velocity(i) = start(i) + change(i);
             known(i) = 1;
         });
@@ -179,10 +180,10 @@ void extrapolate_increment(
     const int n = static_cast<int>(halo.window().size());
     reserve_faces(with.change, grid, halo.window());
     for (int a = 0; a < grid.dimensions; ++a) {
-        reserve(with.reached.axis[a], static_cast<std::size_t>(n));
+        reserve(with.extrapolated.axis[a], static_cast<std::size_t>(n));
         find_changes(a, n, with, known.axis[a], velocity.axis[a]);
     }
-    extrapolate(grid, halo, with.change, with.reached, 2);
+    extrapolate(grid, halo, with.change, with.extrapolated, 2);
     for (int a = 0; a < grid.dimensions; ++a) add_changes(a, faces, with, known.axis[a], velocity.axis[a]);
 }
 

@@ -30,16 +30,16 @@ struct DiffusionNumber {
 };
 
 // Shares of the faces' cubes that are liquid, and the least that counts.
-struct WetShares {
-    const FaceField& share; // [window] [1]
-    double least;           // [1]
+struct WetFractions {
+    const FaceField& fraction; // [window] [1]
+    double least;              // [1]
 };
 
 // Marks the faces whose velocity the solves found: open ones beside liquid; and those with wet shares from the least on where the
 // viscosity reaches over half a cell. Thinner liquid beyond the pressure's faces does there what gravity makes of it: a dam
 // break of water in steps of three cells heaped up to thousands of particles in a cell, which followed such faces into walls.
-void mark_valid_faces(
-    const PressureFaces& faces, const WetShares& wet, const DiffusionNumber& viscosity, double dx, FaceValidity& known);
+void mark_valid_faces(const PressureFaces& faces, const WetFractions& wet, const DiffusionNumber& viscosity, double dx,
+    FaceValidity& known);
 
 // Faces beyond those of the solves, that velocities go on to.
 struct FaceScene {
@@ -59,7 +59,7 @@ struct WallCondition {
 // (A2) Collective: velocities of closed faces, found by extrapolation, lose what leads into or out of their solid (of cells that separate: into it), so that
 // particles near solids move along them; and are those of a velocity that falls linearly to the solid's a slip length behind
 // its surface, as far as viscosity spreads within the step: nu dt over that and (dx/2)^2. `scratch` takes a copy.
-void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& grip,
+void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const WallCondition& condition,
     const FaceField& velocity, FaceField& scratch);
 
 // (A6) Collective: what the step has changed since `start` at the faces that are known goes on to open faces around them that
@@ -68,8 +68,8 @@ void enforce_wall_velocity(const FaceScene& scene, const Solids& solids, const W
 struct Extrapolated {
     const FaceField& start;
     const FaceField& mass;
-    FaceField& change;     // scratch
-    FaceValidity& reached; // scratch
+    FaceField& change;          // scratch
+    FaceValidity& extrapolated; // scratch
 };
 void extrapolate_increment(
     const FaceScene& scene, const Extrapolated& with, FaceValidity& known, const FaceField& velocity);

@@ -78,7 +78,7 @@ std::vector<rigid::BodySetup> make_inlet_bodies(const flow::InflowSetup& setup, 
         plug.centre = inlet.centre - (0.5 * inlet_body_layers * spacing) * inlet.direction;
         plug.region.emplace_back(plug_shape(inlet, plug.centre, spacing, grid.dimensions), grid.dimensions);
         const auto bounds = plug.region.front().bounds();
-        plug.reach = 0.5 * length(bounds.max - bounds.min);
+        plug.bounding_radius = 0.5 * length(bounds.max - bounds.min);
         out.push_back(std::move(plug));
     }
     return out;

@@ -16,7 +16,7 @@ KOKKOS_INLINE_FUNCTION void carry_rate(const double rate[3], const double before
         size += rate[k] * rate[k] + from * from;
         out[k] = 2 * rate[k] - from;
     }
-    if (jump < smooth_share * size) return;
+    if (jump < smooth_fraction * size) return;
     for (int k = 0; k < 3; ++k) out[k] = 0;
 }
 } // namespace
@@ -100,7 +100,7 @@ void EndMotion::record(Middle middle, const StepTimes& times) {
         std::array<double, 2> sums{0, 0};
         add_squares(rate.liquid, rate_.liquid, half, sums);
         add_squares(rate.momenta, rate_.momenta, half, sums);
-        if (!(sums[0] < smooth_share * sums[1])) continue;
+        if (!(sums[0] < smooth_fraction * sums[1])) continue;
         add_lead(rate.liquid, rate_.liquid, half, times.drift, end_);
         add_lead(rate.velocities, rate_.velocities, half, times.drift, lead_);
     }

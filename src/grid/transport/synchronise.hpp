@@ -19,8 +19,8 @@ struct StepTimes {
 // (E) Velocities at the ends of steps, for what is shown and measured; the method itself has those of the middles alone. They
 // are u + drift/2 (2 a - a_before), the acceleration a = (u - u_before)/kick carried on to the end of the step as it has
 // changed since the step before. Where it jumps, as in an impact, there is no velocity of the end, and u is shown.
-// In the sense of |a - a_before|^2 < share (|a|^2 + |a_before|^2):
-inline constexpr double smooth_share = 0.1;
+// In the sense of |a - a_before|^2 < fraction (|a|^2 + |a_before|^2):
+inline constexpr double smooth_fraction = 0.1;
 
 // Sets end_velocity() and acceleration() of the owned particles, whose velocity() is that of the middle. `change` [window]:
 // what the step made of the velocities of the faces [m/s]. Before the particles move. Local.

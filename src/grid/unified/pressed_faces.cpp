@@ -10,11 +10,11 @@ namespace {
 // Rows of the cells below and above each face of the viscous system, its open share, and the share over theta.
 struct SidesLoop {
     PressureFaces faces;
-    Array<int> place_of, row_of, rows;
+    Array<int> face_of, row_of, rows;
     Array<double> values;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
-        const int a = place_of(r) % 3, i = place_of(r) / 3;
+        const int a = face_of(r) % 3, i = face_of(r) / 3;
         const auto above = static_cast<std::size_t>(i), below = above - static_cast<std::size_t>(faces.stride[a]);
         const double open = faces.open(a, above), fraction = faces.effective_area_fraction(a, above);
         const bool pushes = fraction > 0;
@@ -47,8 +47,8 @@ struct FluxLoop {
     }
 };
 
-// Places of rows by their global numbers: this rank's, then those of a halo.
-struct Places {
+// Local columns of rows by their global numbers: this rank's, then those of a halo.
+struct LocalColumns {
     int first, rows;
     std::span<const int> halo;
 
@@ -58,8 +58,8 @@ struct Places {
     }
 };
 
-double value_at(std::span<const double> own, std::span<const double> around, int place) {
-    const auto k = static_cast<std::size_t>(place);
+double value_at(std::span<const double> own, std::span<const double> around, int column) {
+    const auto k = static_cast<std::size_t>(column);
     return k < own.size() ? own[k] : around[k - own.size()];
 }
 } // namespace
@@ -69,15 +69,15 @@ void PressedFaces::find_sides(const ViscousSystem& viscous, const PressureSystem
     reserve(rows_, 2 * n);
     reserve(values_, 2 * n);
     Kokkos::parallel_for("treacle::pressed_sides", faces_,
-        SidesLoop{pressure.faces(), viscous.place_of(), pressure.row_of(), rows_, values_});
+        SidesLoop{pressure.faces(), viscous.face_of(), pressure.row_of(), rows_, values_});
     const auto rows = on_host(rows_);
     const auto values = on_host(values_);
-    const Places place{static_cast<int>(pressure.first_row()), pressures_, of_pressures_->columns()};
+    const LocalColumns local_column{static_cast<int>(pressure.first_row()), pressures_, of_pressures_->columns()};
     sides_.resize(n);
     for (std::size_t r = 0; r < n; ++r) {
         const int below = rows(2 * r), above = rows(2 * r + 1);
-        sides_[r] = {below < 0 ? none : place(below), above < 0 ? none : place(above), scales.area * values(2 * r),
-            scales.change * values(2 * r + 1)};
+        sides_[r] = {below < 0 ? none : local_column(below), above < 0 ? none : local_column(above),
+            scales.area * values(2 * r), scales.change * values(2 * r + 1)};
     }
 }
 
@@ -90,12 +90,12 @@ void PressedFaces::find_flux(const ViscousSystem& viscous, const PressureSystem&
             values_});
     const auto rows = on_host(rows_);
     const auto values = on_host(values_);
-    const Places place{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
+    const LocalColumns local_column{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
     entries_.clear();
     first_.assign(1, 0);
     for (std::size_t r = 0; r < m; ++r) {
         for (std::size_t k = 6 * r; k < 6 * r + 6; ++k) {
-            if (rows(k) >= 0) entries_.push_back({place(rows(k)), area * values(k)});
+            if (rows(k) >= 0) entries_.push_back({local_column(rows(k)), area * values(k)});
         }
         first_.push_back(static_cast<int>(entries_.size()));
     }

@@ -21,14 +21,14 @@ solve::IdrOptions idr_options(const StokesOptions& options) {
 
 } // namespace
 
-void close_held_faces(const ViscousFaces& viscous, const FaceField& open, FaceField& out) {
+void close_prescribed_faces(const ViscousFaces& viscous, const FaceField& open, FaceField& out) {
     for (int a = 0; a < viscous.dimensions; ++a) {
         const auto n = static_cast<std::size_t>(viscous.window.size());
         reserve(out.axis[a], n);
         const auto from = open.axis[a], to = out.axis[a];
         const auto role = viscous.role[a];
         Kokkos::parallel_for(
-            "treacle::close_held_faces", static_cast<int>(n),
+            "treacle::close_prescribed_faces", static_cast<int>(n),
             KOKKOS_LAMBDA(int i) { to(i) = role(i) == prescribed_face ? 0.0 : from(i); });
     }
 }
@@ -90,9 +90,9 @@ Stokes::Stokes(const Comm& comm, const StokesOptions& options)
 void Stokes::build(const Parts& parts, const FaceField& velocity, const rigid::RigidBodies& bodies) {
     const auto& grid = parts.scene.grid;
     const double face = std::pow(grid.dx, grid.dimensions - 1);
-    volumes_.find(parts.pressure, parts.viscous.places(), bodies, parts.scene.halo, face);
+    volumes_.find(parts.pressure, parts.viscous.viscous_faces(), bodies, parts.scene.halo, face);
     auto scene = parts.scene;
-    scene.volumes = &volumes_.held();
+    scene.volumes = &volumes_.stiffness();
     parts.viscous.build(scene, velocity, bodies, parts.dt);
     pressed_.build(parts.viscous.system(), parts.pressure.system(), {face, parts.dt / (scene.density * grid.dx)});
     const std::size_t all = parts.viscous.rows() + parts.pressure.rows();
@@ -106,8 +106,8 @@ void Stokes::weigh(const System& system) {
     const auto& [of, parts, n, m, face, inertia] = system;
     const auto stiffness = on_host(volumes_.by_row());
     std::copy_n(stiffness.data(), m, stiffness_.begin());
-    const auto held = on_host(volumes_.held_by_row());
-    held_.assign(held.data(), held.data() + m);
+    const auto volume_stiffness = on_host(volumes_.stiffness_by_row());
+    volume_stiffness_.assign(volume_stiffness.data(), volume_stiffness.data() + m);
     const auto diagonal = [](const solve::CsrBlocks& rows, std::size_t r) {
         int k = rows.diagonal_offsets[r];
         while (rows.diagonal_columns[k] != static_cast<int>(r)) ++k;
@@ -126,10 +126,10 @@ void Stokes::load(const System& system, const FaceField& velocity, const rigid::
     parts.pressure.coupling().add_flux(body_velocities(bodies), face, b.last(m));
     parts.pressure.add_inflow(face, b.last(m));
     parts.pressure.balance(b.last(m));
-    auto& held = scratch_; // what the matrix's volumes have of it
-    held.resize(m);
-    for (std::size_t k = 0; k < m; ++k) held[k] = held_[k] * b[n + k];
-    pressed_.add_forces(held, b.first(n));
+    auto& volume_pressure = scratch_; // what the matrix's volumes have of it
+    volume_pressure.resize(m);
+    for (std::size_t k = 0; k < m; ++k) volume_pressure[k] = volume_stiffness_[k] * b[n + k];
+    pressed_.add_forces(volume_pressure, b.first(n));
     parts.viscous.read(velocity, x.first(n));
 }
 
@@ -177,7 +177,7 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
 
 std::size_t Stokes::bytes() const {
     std::size_t numbers = 0;
-    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &held_, &scratch_, &residual_})
+    for (const auto* vector : {&b_, &x_, &weights_, &stiffness_, &volume_stiffness_, &scratch_, &residual_})
         numbers += vector->capacity();
     return 8 * numbers + idr_.bytes() + volumes_.bytes() + pressed_.bytes();
 }

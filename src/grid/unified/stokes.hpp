@@ -56,10 +56,10 @@ private:
     solve::Operator operator_;
     VolumeStresses volumes_;
     PressedFaces pressed_;
-    std::vector<double> b_, x_, weights_, stiffness_, held_, scratch_, residual_;
+    std::vector<double> b_, x_, weights_, stiffness_, volume_stiffness_, scratch_, residual_;
 };
 
 // The areas that the pressure acts through where it acts together with the viscosity: none of faces that a solid takes along.
-void close_held_faces(const ViscousFaces& viscous, const FaceField& open, FaceField& out);
+void close_prescribed_faces(const ViscousFaces& viscous, const FaceField& open, FaceField& out);
 
 } // namespace treacle::grid

@@ -42,15 +42,15 @@ struct MechanismLoop {
     KOKKOS_INLINE_FUNCTION void each_face(const Stress& stress, const Use& use) const {
         if (stress.kind < 3) {
             const int a = stress.kind;
-            use(FaceAt{a, stress.at, -faces.share.axis[a](stress.at)});
-            use(FaceAt{a, stress.at + faces.stride[a], faces.share.axis[a](stress.at + faces.stride[a])});
+            use(FaceAt{a, stress.at, -faces.fraction.axis[a](stress.at)});
+            use(FaceAt{a, stress.at + faces.stride[a], faces.fraction.axis[a](stress.at + faces.stride[a])});
             return;
         }
         for (int a = 0; a < faces.dimensions; ++a) {
             if (a == stress.kind - 3) continue;
             const auto before = stress.at - faces.stride[3 - a - (stress.kind - 3)];
-            use(FaceAt{a, stress.at, faces.share.axis[a](stress.at)});
-            use(FaceAt{a, before, -faces.share.axis[a](before)});
+            use(FaceAt{a, stress.at, faces.fraction.axis[a](stress.at)});
+            use(FaceAt{a, before, -faces.fraction.axis[a](before)});
         }
     }
     KOKKOS_INLINE_FUNCTION bool free(int a, std::ptrdiff_t i) const {
@@ -81,7 +81,7 @@ struct MechanismLoop {
     // The mechanism of face (a, i).
     KOKKOS_INLINE_FUNCTION bool find(int a, std::ptrdiff_t i, Mechanisms::Motion& motion) const {
         if (!free(a, i)) return false;
-        const double share = faces.share.axis[a](i);
+        const double fraction = faces.fraction.axis[a](i);
         double mass = faces.mass.axis[a](i), stiff = mass;
         int members = 1;
         bool moves = true;
@@ -90,12 +90,13 @@ struct MechanismLoop {
             FaceAt other{};
             moves = gives_way(stress, other) && !(other.axis == a && other.at == i);
             if (!moves) return;
-            const double part = -stress.sign * share / other.pull, own = faces.mass.axis[other.axis](other.at);
+            const double part = -stress.sign * fraction / other.pull, own = faces.mass.axis[other.axis](other.at);
             motion.row[members] = row_of[other.axis](other.at);
             motion.part[members] = part;
             ++members;
             mass += part * part * own;
-            stiff += share * share * stress.weight + part * part * (own + other.pull * other.pull * stress.weight);
+            stiff +=
+                fraction * fraction * stress.weight + part * part * (own + other.pull * other.pull * stress.weight);
         });
         if (!moves || members == 1 || mass > most_resistance * stiff || mass < least_resistance * stiff) return false;
         motion.row[0] = row_of[a](i);
@@ -128,14 +129,14 @@ void Mechanisms::connect(const Comm& comm, std::int64_t first_row) {
     const auto is_own = [&](int row) { return row >= 0 && row < rows_; };
     std::vector<int> others;
     for (const auto& member : members_) {
-        if (!is_own(member.place)) others.push_back(member.place + static_cast<int>(first_row));
+        if (!is_own(member.column)) others.push_back(member.column + static_cast<int>(first_row));
     }
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
     for (auto& member : members_) {
-        if (is_own(member.place)) continue;
-        const auto at = std::lower_bound(others.begin(), others.end(), member.place + static_cast<int>(first_row));
-        member.place = rows_ + static_cast<int>(at - others.begin());
+        if (is_own(member.column)) continue;
+        const auto at = std::lower_bound(others.begin(), others.end(), member.column + static_cast<int>(first_row));
+        member.column = rows_ + static_cast<int>(at - others.begin());
     }
     shared_ = comm.sum(static_cast<std::int64_t>(others.size())) > 0;
     if (shared_) halo_.connect(comm, first_row, others);
@@ -167,7 +168,7 @@ void Mechanisms::build(const Comm& comm, const ViscousFaces& faces, const Viscou
     }
     std::int64_t own = 0;
     for (std::size_t m = 0; m < inverse_.size(); ++m) {
-        const int face = members_[first_[m]].place;
+        const int face = members_[first_[m]].column;
         own += std::int64_t{face >= 0 && face < rows_};
     }
     count_ = comm.sum(own);
@@ -179,22 +180,22 @@ void Mechanisms::build(const Comm& comm, const ViscousFaces& faces, const Viscou
 void Mechanisms::add(std::span<const double> r, std::span<double> z) {
     const auto rows = static_cast<std::size_t>(rows_);
     std::span<const double> around;
-    const auto value = [&](std::span<const double> own, std::size_t place) {
-        return place < rows ? own[place] : around[place - rows];
+    const auto value = [&](std::span<const double> own, std::size_t column) {
+        return column < rows ? own[column] : around[column - rows];
     };
     const auto push = [&](std::size_t m, double strength) {
         for (std::size_t k = first_[m]; k < first_[m + 1]; ++k) {
-            if (members_[k].place < rows_)
-                z[static_cast<std::size_t>(members_[k].place)] += members_[k].part * strength;
+            if (members_[k].column < rows_)
+                z[static_cast<std::size_t>(members_[k].column)] += members_[k].part * strength;
         }
     };
     if (shared_) around = halo_.gather(r);
     for (std::size_t m = 0; m < inverse_.size(); ++m) {
-        const auto face = static_cast<std::size_t>(members_[first_[m]].place);
+        const auto face = static_cast<std::size_t>(members_[first_[m]].column);
         if (face >= rows) continue;
         double sum = 0;
         for (std::size_t k = first_[m]; k < first_[m + 1]; ++k) {
-            sum += members_[k].part * value(r, static_cast<std::size_t>(members_[k].place));
+            sum += members_[k].part * value(r, static_cast<std::size_t>(members_[k].column));
         }
         push(m, inverse_[m] * sum);
         if (shared_) strength_[face] = inverse_[m] * sum;
@@ -202,14 +203,14 @@ void Mechanisms::add(std::span<const double> r, std::span<double> z) {
     if (!shared_) return;
     around = halo_.gather(strength_);
     for (std::size_t m = 0; m < inverse_.size(); ++m) {
-        const auto face = static_cast<std::size_t>(members_[first_[m]].place);
+        const auto face = static_cast<std::size_t>(members_[first_[m]].column);
         if (face >= rows) push(m, around[face - rows]);
     }
 }
 
 void Mechanisms::mark(std::span<unsigned char> rows) const {
     for (const auto& member : members_) {
-        if (member.place < rows_) rows[static_cast<std::size_t>(member.place)] = 1;
+        if (member.column < rows_) rows[static_cast<std::size_t>(member.column)] = 1;
     }
 }
 

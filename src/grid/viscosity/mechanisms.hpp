@@ -37,7 +37,7 @@ public:
 
 private:
     struct Member {
-        int place; // local row, or from rows_ on place in the halo
+        int column; // local row, or from rows_ on column of the halo
         double part;
     };
     void connect(const Comm& comm, std::int64_t first_row);

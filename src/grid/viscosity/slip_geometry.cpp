@@ -11,7 +11,7 @@ double length_of(scene::Slip slip, double length) {
     return slip == scene::Slip::free_slip ? std::numeric_limits<double>::infinity() : length;
 }
 
-// The sides that grip alone are walls.
+// The no-slip sides alone are walls.
 scene::Domain no_slip_sides(scene::Domain domain) {
     for (auto& face : domain.faces) {
         const bool slides = length_of(face.slip, face.slip_length) > 0;
@@ -28,7 +28,7 @@ std::vector<char> no_slip_bodies(const SlipSetup& setup) {
     return out;
 }
 
-// The solid whose surface a cell has: that nearest to its middle. Where that grips, it may be beside one that liquid slides along: then that
+// The solid whose surface a cell has: that nearest to its middle. Where that is a no-slip one, it may be beside one that liquid slides along: then that
 // of the nearest node of the cell which is nearest to such a solid.
 struct SlipLengthLoop {
     FineNodes nodes;
@@ -37,7 +37,7 @@ struct SlipLengthLoop {
     Array<int> body;
 
     KOKKOS_INLINE_FUNCTION double length_of_solid(int solid) const {
-        return solid == Solids::nothing ? 0 : of(Solids::place(solid));
+        return solid == Solids::nothing ? 0 : of(Solids::slot(solid));
     }
     KOKKOS_INLINE_FUNCTION int sliding_near(const int c[3]) const {
         int out = Solids::nothing;
@@ -102,10 +102,11 @@ void SlipGeometry::find_lengths(const Solids& solids) {
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
     const LevelSet& liquid, FractionMethod method) {
     no_slip_.update(halo, bodies);
-    builder_.build(no_slip_.nodes(), no_slip_.distance(), liquid.distance(), method, slip_.grip, no_slip_.walls());
+    builder_.build(
+        no_slip_.nodes(), no_slip_.distance(), liquid.distance(), method, slip_.no_slip_fractions, no_slip_.walls());
     if (bodies.size() > 0) {
-        builder_.build_body_shares(
-            no_slip_.nodes(), no_slip_.distance(), no_slip_.number(), no_slip_.moves(), shares_.data());
+        builder_.build_body_fractions(
+            no_slip_.nodes(), no_slip_.distance(), no_slip_.number(), no_slip_.moves(), body_fractions_.data());
     }
     find_lengths(solids);
 }

@@ -15,7 +15,7 @@ struct SlipSetup {
 };
 
 // Geometry of solids that liquid slides along, where there are any, for the viscous solve: the volume fractions of the
-// solids that grip alone, and the slip length near each cell.
+// no-slip solids alone, and the slip length near each cell.
 class SlipGeometry {
 public:
     // Sides of the domain have their slip in `domain`.
@@ -26,7 +26,7 @@ public:
     void update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids, const LevelSet& liquid,
         FractionMethod method);
     const SlipSolids& slip() const { return slip_; }
-    const FaceShares& shares() const { return shares_; } // of bodies that grip
+    const FaceBodyFractions& body_fractions() const { return body_fractions_; } // of no-slip bodies
     const Solids& no_slip() const { return no_slip_; }
     const FractionBuilder& no_slip_fractions() const { return builder_; }
     const Array<double>& lengths() const {
@@ -41,7 +41,7 @@ private:
     Solids no_slip_;
     FractionBuilder builder_;
     SlipSolids slip_;
-    FaceShares shares_;
+    FaceBodyFractions body_fractions_;
     Array<double> lengths_{"treacle::slip_lengths", 0}; // [6 sides, then bodies] 0: no slip [m]
 };
 

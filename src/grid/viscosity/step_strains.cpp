@@ -8,7 +8,7 @@ KOKKOS_INLINE_FUNCTION int pair_of(int a, int b) { return a == b ? a : a + b == 
 // dt/2, such that (dt/2) sym(L^2) is exact for a rotation by the angle 2 atan(t), with t^2 = dt^2 |L|^2 / 8; less where paths bend
 // by themselves.
 KOKKOS_INLINE_FUNCTION double half_step(const SmallMatrix& middle, double dt) {
-    return 0.5 * dt / (1 + dt * dt * middle.squares() / 8) * (1 - bent_share(middle, dt));
+    return 0.5 * dt / (1 + dt * dt * middle.squares() / 8) * (1 - bending_weight(middle, dt));
 }
 
 KOKKOS_INLINE_FUNCTION void strains_of(const SmallMatrix& square, double factor, double out[6]) {
@@ -94,10 +94,10 @@ struct CentreLoop {
         const double factor = half_step(middle, dt);
         strains_of(middle.times(middle), factor, liquid);
         const int nearest = number(FineNodes::per_cell * i + (grid.dimensions == 2 ? 3 : 7));
-        const double share = fluid(i);
-        if (share < 1) bend_along(nearest, c, middle, factor, i);
-        if (share < 1 && nearest >= 0) motion.strains(nearest, solid);
-        for (int k = 0; k < 6; ++k) out[k](i) = share * liquid[k] + (1 - share) * solid[k];
+        const double fraction = fluid(i);
+        if (fraction < 1) bend_along(nearest, c, middle, factor, i);
+        if (fraction < 1 && nearest >= 0) motion.strains(nearest, solid);
+        for (int k = 0; k < 6; ++k) out[k](i) = fraction * liquid[k] + (1 - fraction) * solid[k];
         for (int a = 0; a < 3; ++a) path[3 + a](i) = liquid[a];
     }
 };

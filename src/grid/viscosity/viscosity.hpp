@@ -22,12 +22,12 @@ struct Viscosities {
     EdgeField edge;
 };
 
-// Solids along which the liquid slides. Without them all solids grip.
+// Solids along which the liquid slides. Without them all solids are no-slip ones.
 struct SlipSolids {
     bool slides[6] = {false, false, false, false, false, false}; // sides of the domain, -x, +x, -y, ...
-    double side[6] = {0, 0, 0, 0, 0, 0};                         // their places along their axes [m]
-    Fractions grip;         // of the solids that grip alone: cell_fluid, face_fluid, edge_fluid, open
-    Array<double> length;   // [window] slip length of the solid near the cell [m], infinity: none of its tangents holds
+    double side[6] = {0, 0, 0, 0, 0, 0};                         // their positions along their axes [m]
+    Fractions no_slip_fractions; // of the no-slip solids alone: cell_fluid, face_fluid, edge_fluid, open
+    Array<double> length;   // [window] slip length of the solid near the cell [m], infinity: all its tangents are free
     Array<int> body;        // [window] its number, Solids::number: < 0 no body
     Array<double> distance; // [window] of the cells' centres from the nearest solid, < 0 in it [m]
 };
@@ -37,7 +37,7 @@ struct ViscousScene {
     const MacGrid& grid;
     CellHalo& halo;
     const Fractions& fractions;
-    const std::array<BodyShares, 3>& shares; // of the faces across each axis; of gripping bodies
+    const std::array<BodyFractions, 3>& body_fractions; // of the faces across each axis; of no-slip bodies
     const Viscosities& viscosity;
     double density = 0; // [kg/m3]
     const SlipSolids* slip = nullptr;
@@ -48,8 +48,8 @@ struct ViscousScene {
     // [m] of cells' centres from the liquid's surface, where a pressure acts before or with the solve: it holds the liquid
     // within to the normal velocity of what it slides along.
     const Array<double>* distance = nullptr;
-    const RestingSolids* resting = nullptr;   // those that grip; then there are loads on all solids at rest
-    DistanceSampler no_slip{};                // of the solids that grip; empty: V2 goes by the volume fractions alone
+    const RestingSolids* resting = nullptr;   // the no-slip ones; then there are loads on all solids at rest
+    DistanceSampler no_slip{};                // of the no-slip solids; empty: V2 goes by the volume fractions alone
     const VolumeStiffness* volumes = nullptr; // adds to the matrix where the pressure acts in the same solve
 };
 

@@ -24,9 +24,10 @@ void ViscousBodies::prepare(std::size_t solids) {
 
 void ViscousBodies::list(
     const ViscousScene& scene, const ViscousFaces& faces, const CellBox& owned, const BodyMotion& motion) {
-    const auto& shares = scene.shares;
+    const auto& body_fractions = scene.body_fractions;
     const OwnedFaces all{owned, faces.window, faces.dimensions};
-    ListLoop loop{faces, all, {shares[0], shares[1], shares[2]}, motion, scene.grid, {}, {}, {}, false};
+    ListLoop loop{
+        faces, all, {body_fractions[0], body_fractions[1], body_fractions[2]}, motion, scene.grid, {}, {}, {}, false};
     for (auto* part : {&stress_coupling_, &slip_coupling_, &moved_}) {
         reserve(part->first, static_cast<std::size_t>(all.count()) + 1);
         reserve(part->last, static_cast<std::size_t>(all.count()));
@@ -90,7 +91,7 @@ void ViscousBodies::sum_slip(const ViscousFaces& faces, const CellBox& owned) {
                 const double k = traction[ViscousFaces::component(a, b)](i);
                 add_stiffness(body(at), u.data() + 6 * (at + a), body(at), u.data() + 6 * (at + b), k);
                 for (std::size_t l = 0; l < 6; ++l)
-                    held_[6 * static_cast<std::size_t>(body(at)) + l] -=
+                    prescribed_load_[6 * static_cast<std::size_t>(body(at)) + l] -=
                         k * bend[b](i) * u(6 * static_cast<std::size_t>(at + a) + l);
             }
         }
@@ -109,15 +110,15 @@ void ViscousBodies::sum_faces(
     };
     const Host pulled(stress_coupling_), slipped(slip_coupling_), moved(moved_);
     const auto pull = on_host(given_pull_);
-    const auto couple = [&](int row, double share, int body, const double* pull) {
+    const auto couple = [&](int row, double fraction, int body, const double* pull) {
         Entry entry{row, body, {}};
-        for (int l = 0; l < 6; ++l) entry.u[l] = share * pull[l];
+        for (int l = 0; l < 6; ++l) entry.u[l] = fraction * pull[l];
         coupling_.push_back(entry);
     };
     const OwnedFaces all{owned, faces.window, faces.dimensions};
     for (int a = 0; a < faces.dimensions; ++a) {
         const auto role = on_host(faces.role[a]), row = on_host(system.row_of(a));
-        const auto share = on_host(faces.share.axis[a]), mass = on_host(faces.mass.axis[a]),
+        const auto fraction = on_host(faces.fraction.axis[a]), mass = on_host(faces.mass.axis[a]),
                    u = on_host(velocity.axis[a]);
         const auto bend = on_host(faces.bend.axis[a]);
         for (int n = a; n < all.count(); n += faces.dimensions) {
@@ -125,18 +126,18 @@ void ViscousBodies::sum_faces(
                 slipped.first(n) == slipped.last(n))
                 continue;
             int axis, c[3];
-            const auto i = all.place(n, axis, c);
+            const auto i = all.index(n, axis, c);
             const int local = row(i) - static_cast<int>(system.first_row());
             for (int k = pulled.first(n); k < pulled.last(n); ++k) {
                 const double* const pull = pulled.at(k);
-                if (role(i) == unknown_face) couple(local, share(i), pulled.body(k), pull);
+                if (role(i) == unknown_face) couple(local, fraction(i), pulled.body(k), pull);
                 for (int m = moved.first(n); m < moved.last(n); ++m)
                     add_stiffness(moved.body(m), moved.at(m), pulled.body(k), pull, 1);
             }
             for (int k = slipped.first(n); k < slipped.last(n); ++k) {
                 const double* const pull = slipped.at(k);
-                if (role(i) == unknown_face) couple(local, share(i), slipped.body(k), pull);
-                for (std::size_t l = 0; l < 6; ++l) held_[at(slipped.body(k)) + l] -= bend(i) * pull[l];
+                if (role(i) == unknown_face) couple(local, fraction(i), slipped.body(k), pull);
+                for (std::size_t l = 0; l < 6; ++l) prescribed_load_[at(slipped.body(k)) + l] -= bend(i) * pull[l];
                 for (int m = moved.first(n); m < moved.last(n); ++m) {
                     add_stiffness(moved.body(m), moved.at(m), slipped.body(k), pull, 1);
                     add_stiffness(slipped.body(k), pull, moved.body(m), moved.at(m), 1);
@@ -144,7 +145,7 @@ void ViscousBodies::sum_faces(
             }
             const double given = pull(n) + (role(i) == prescribed_face ? mass(i) * (u(i) - bend(i)) : 0.0);
             for (int m = moved.first(n); m < moved.last(n); ++m) {
-                for (std::size_t l = 0; l < 6; ++l) held_[at(moved.body(m)) + l] += given * moved.at(m)[l];
+                for (std::size_t l = 0; l < 6; ++l) prescribed_load_[at(moved.body(m)) + l] += given * moved.at(m)[l];
             }
             if (role(i) != prescribed_face) continue;
             for (int m = moved.first(n); m < moved.last(n); ++m) {
@@ -159,7 +160,7 @@ void ViscousBodies::build(const Comm& comm, const ViscousScene& scene, const Vis
     const ViscousSystem& system, const BodyMotion& motion, const FaceField& velocity) {
     coupling_.clear();
     stiffness_.assign(size_ * size_, 0.0);
-    held_.assign(size_, 0.0);
+    prescribed_load_.assign(size_, 0.0);
     const auto& owned = scene.halo.owned();
     if (!owned.empty()) {
         list(scene, faces, owned, motion);
@@ -170,7 +171,7 @@ void ViscousBodies::build(const Comm& comm, const ViscousScene& scene, const Vis
         }
     }
     comm.sum(std::span(stiffness_));
-    comm.sum(std::span(held_));
+    comm.sum(std::span(prescribed_load_));
 }
 
 std::vector<double> ViscousBodies::block(double dt) const {
@@ -190,7 +191,7 @@ std::vector<double> ViscousBodies::block(double dt) const {
 }
 
 std::vector<double> ViscousBodies::right_hand_side(std::span<const double> velocities) const {
-    auto out = held_;
+    auto out = prescribed_load_;
     for (std::size_t k = 0; k < size_; ++k) {
         for (std::size_t l = 0; l < size_; ++l) out[k] -= stiffness_[k * size_ + l] * velocities[l];
     }
@@ -243,7 +244,7 @@ std::vector<double> ViscousBodies::loads(
     auto out = pull_of(coupling_, size_, u);
     comm.sum(std::span(out));
     for (std::size_t k = 0; k < size_; ++k) {
-        out[k] = held_[k] - out[k];
+        out[k] = prescribed_load_[k] - out[k];
         for (std::size_t l = 0; l < size_; ++l) out[k] -= stiffness_[k * size_ + l] * velocities[l];
     }
     return out;
@@ -270,7 +271,8 @@ std::vector<double> ViscousBodies::answer(std::span<const double> loads, double 
 }
 
 std::size_t ViscousBodies::bytes() const {
-    std::size_t total = 8 * (stiffness_.capacity() + held_.capacity()) + sizeof(Entry) * coupling_.capacity();
+    std::size_t total =
+        8 * (stiffness_.capacity() + prescribed_load_.capacity()) + sizeof(Entry) * coupling_.capacity();
     for (const auto* part : {&stress_coupling_, &slip_coupling_, &moved_}) {
         total += 4 * (part->first.span() + part->last.span() + part->body.span()) + 8 * part->u.span();
     }

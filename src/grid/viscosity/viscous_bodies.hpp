@@ -74,7 +74,7 @@ private:
     List surface_;                // of slip surfaces, by owned cells: R along each axis
     std::vector<Entry> coupling_; // C
     Array<double> given_pull_{"treacle::given_pull", 0}; // [owned faces] D^T K (e - D W_S bend) and of slip surfaces
-    std::vector<double> stiffness_, held_;               // G [size][size], h [size]
+    std::vector<double> stiffness_, prescribed_load_;    // G [size][size], h [size]
 };
 
 } // namespace treacle::grid

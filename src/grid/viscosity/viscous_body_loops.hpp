@@ -8,7 +8,7 @@ struct OwnedFaces {
     CellBox owned, window;
     int dimensions;
     int count() const { return static_cast<int>(owned.size()) * dimensions; }
-    KOKKOS_INLINE_FUNCTION std::ptrdiff_t place(int n, int& axis, int c[3]) const {
+    KOKKOS_INLINE_FUNCTION std::ptrdiff_t index(int n, int& axis, int c[3]) const {
         axis = n % dimensions;
         owned.cell(n / dimensions, c);
         return window.index(c[0], c[1], c[2]);
@@ -19,7 +19,7 @@ struct OwnedFaces {
 struct ListLoop {
     ViscousFaces faces;
     OwnedFaces owned;
-    BodyShares shares[3];
+    BodyFractions body_fractions[3];
     BodyMotion motion; // poses and velocities of the bodies
     MacGrid grid;
     ViscousBodies::List pulled, slipped, moved; // W_F D^T K D W_S R, the same by slip surfaces, W_S R
@@ -28,14 +28,14 @@ struct ListLoop {
     // W_S R of the bodies at a face: use(body, six numbers).
     template <class Use>
     KOKKOS_INLINE_FUNCTION void each_body(int a, std::ptrdiff_t i, const Use& use) const {
-        const auto& of = shares[a];
+        const auto& of = body_fractions[a];
         for (int k = of.first(i); k < of.first(i + 1); ++k) {
             int c[3];
             double x[3], r[3], u[6] = {0, 0, 0, 0, 0, 0};
             owned.window.cell(static_cast<int>(i), c);
             grid.face(a, c, x);
             motion.arm(of.body(k), x, r);
-            add_load(a, r, faces.scale.axis[a](i) * of.share(k), u);
+            add_load(a, r, faces.scale.axis[a](i) * of.fraction(k), u);
             use(of.body(k), u);
         }
     }
@@ -52,14 +52,16 @@ struct ListLoop {
     }
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int a, c[3];
-        const auto i = owned.place(n, a, c);
-        const int own = faces.role[a](i) == inactive_face ? 0 : shares[a].first(i + 1) - shares[a].first(i);
+        const auto i = owned.index(n, a, c);
+        const int own =
+            faces.role[a](i) == inactive_face ? 0 : body_fractions[a].first(i + 1) - body_fractions[a].first(i);
         const bool feels = own > 0 || faces.role[a](i) == unknown_face;
         if (!write) {
             int around = 0;
             if (feels) {
-                faces.each_entry(a, i,
-                    [&](int b, std::ptrdiff_t j, double) { around += shares[b].first(j + 1) - shares[b].first(j); });
+                faces.each_entry(a, i, [&](int b, std::ptrdiff_t j, double) {
+                    around += body_fractions[b].first(j + 1) - body_fractions[b].first(j);
+                });
             }
             int slips = 0;
             if (feels && faces.slips) {
@@ -88,10 +90,10 @@ struct ListLoop {
         if (slipped.first(n + 1) > slipped.first(n)) {
             faces.each_slip(a, i, [&](std::ptrdiff_t cell, int b, double k) {
                 if (faces.slip_body(cell) < 0) return;
-                int place[3];
+                int cell_indices[3];
                 double x[3], r[3], u[6] = {0, 0, 0, 0, 0, 0};
-                owned.window.cell(static_cast<int>(cell), place);
-                faces.slip_point(grid, b, place, x);
+                owned.window.cell(static_cast<int>(cell), cell_indices);
+                faces.slip_point(grid, b, cell_indices, x);
                 motion.arm(faces.slip_body(cell), x, r);
                 add_load(b, r, 1, u);
                 add(slipped, slipped.first(n), count, faces.slip_body(cell), u, -k);
@@ -110,7 +112,7 @@ struct GivenLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int a, c[3];
-        const auto i = owned.place(n, a, c);
+        const auto i = owned.index(n, a, c);
         out(n) = 0;
         if (moved.first(n) == moved.last(n)) return;
         double sum = faces.strain_pull(a, i);

@@ -17,8 +17,8 @@ struct ViscousFaces {
     Array<double> normal; // w of the stresses xx, yy, zz at the centre [kg/s]
     EdgeField shear;      // w of the shear stress at the edge [kg/s]
     Array<int> role[3];   // FaceRole
-    FaceField share;      // W_F of free faces, else 0
-    FaceField scale;      // of the bodies' shares in a face's cube: W_S = scale * share of the body
+    FaceField fraction;   // W_F of free faces, else 0
+    FaceField scale;      // of the bodies' fractions of a face's cube: W_S = scale * fraction of the body
     FaceField mass;       // of the liquid, over dt [kg/s]
     FaceField solid;      // sum W_S R V of the bodies as they move now [m/s], with their bend
     FaceField bend;       // of that what BodyMotion::bend gives, and sides of the domain that move

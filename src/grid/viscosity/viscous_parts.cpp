@@ -9,9 +9,9 @@ namespace {
 constexpr double aligned =
     1 - 1e-8; // cosine between the normal of a surface and an axis from which it is along the faces
 
-// Most that a plane wall leaves of a cube whose middle is 0.4 of its width within it, or more; and what counts as more than
-// a plane leaves: walls of four cells radius leave so much where the middle is 0.02 within [1].
-constexpr double most_beyond_half_depth = 0.1, curved_excess = 1e-3;
+// Volume fractions: the most that a plane wall leaves of a cube whose middle is 0.4 of its width within it, or more; and
+// what is more than a plane leaves: round walls of four cells radius do where the middle is less than 0.02 within [1].
+constexpr double max_plane_fraction = 0.1, curved_excess = 1e-3;
 
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
@@ -34,7 +34,7 @@ struct Inner {
         }
     }
     int count() const { return static_cast<int>(box.size()); }
-    KOKKOS_INLINE_FUNCTION std::ptrdiff_t place(int n, int c[3]) const {
+    KOKKOS_INLINE_FUNCTION std::ptrdiff_t index(int n, int c[3]) const {
         box.cell(n, c);
         return window.index(c[0], c[1], c[2]);
     }
@@ -58,13 +58,13 @@ struct RoleLoop {
         int node[3] = {0, 0, 0};
         for (int k = 0; k < no_slip.nodes.dimensions; ++k) node[k] = 2 * c[k] + (k == axis ? 0 : 1);
         const double distance = no_slip.values(no_slip.nodes.index(node[0], node[1], node[2]));
-        const double by_plane = math::max(0.5 + distance / (2 * no_slip.nodes.width), most_beyond_half_depth);
+        const double by_plane = math::max(0.5 + distance / (2 * no_slip.nodes.width), max_plane_fraction);
         return no_slip.nodes.is_inside(distance) && fluid(i) > by_plane + curved_excess;
     }
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
-        const auto i = inner.place(n, c);
+        const auto i = inner.index(n, c);
         const double push =
             with_pressure ? pressure_faces.effective_area_fraction(axis, static_cast<std::size_t>(i)) : -1;
         bool stressed = false, tight = false;
@@ -76,7 +76,7 @@ struct RoleLoop {
             role = fluid(i) < min_fluid_fraction || tight || is_beside_edge(i, c) ? prescribed_face : unknown_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
-        faces.share.axis[axis](i) = role == unknown_face ? fluid(i) : 0.0;
+        faces.fraction.axis[axis](i) = role == unknown_face ? fluid(i) : 0.0;
         faces.scale.axis[axis](i) = role == unknown_face || !(solid > min_liquid_fraction) ? 1.0 : 1 / solid;
         const bool by_pressure = role == unknown_face && ((push > 0 && !has_liquid) || (push == 0 && stressed));
         faces.mass.axis[axis](i) = mass * (by_pressure ? push : wet(i));
@@ -87,20 +87,20 @@ struct SolidLoop {
     ViscousFaces faces;
     Inner inner;
     int axis;
-    BodyShares shares;
+    BodyFractions body_fractions;
     BodyMotion motion;
     MacGrid grid;
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
-        const auto i = inner.place(n, c);
+        const auto i = inner.index(n, c);
         double sum = 0, bend = 0;
-        for (int k = shares.first(i); k < shares.first(i + 1); ++k) {
+        for (int k = body_fractions.first(i); k < body_fractions.first(i + 1); ++k) {
             double x[3], r[3];
             grid.face(axis, c, x);
-            motion.arm(shares.body(k), x, r);
-            sum += shares.share(k) * motion.velocity(shares.body(k), axis, r);
-            bend += shares.share(k) * motion.bend(shares.body(k), axis, r);
+            motion.arm(body_fractions.body(k), x, r);
+            sum += body_fractions.fraction(k) * motion.velocity(body_fractions.body(k), axis, r);
+            bend += body_fractions.fraction(k) * motion.bend(body_fractions.body(k), axis, r);
         }
         faces.solid.axis[axis](i) = faces.scale.axis[axis](i) * sum;
         faces.bend.axis[axis](i) = faces.scale.axis[axis](i) * bend;
@@ -115,7 +115,7 @@ struct WallLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
-        const auto i = inner.place(n, c);
+        const auto i = inner.index(n, c);
         const int body = faces.slip_body(i);
         for (int k = 0; k < faces.dimensions; ++k) {
             double x[3], r[3];
@@ -149,7 +149,8 @@ struct TractionLoop {
     KOKKOS_INLINE_FUNCTION double surface(std::ptrdiff_t i, double n[3]) const {
         for (int k = 0; k < faces.dimensions; ++k) {
             const auto j = i + faces.stride[k];
-            n[k] = (open.axis[k](j) - open.axis[k](i)) - (slip.grip.open.axis[k](j) - slip.grip.open.axis[k](i));
+            n[k] = (open.axis[k](j) - open.axis[k](i)) -
+                   (slip.no_slip_fractions.open.axis[k](j) - slip.no_slip_fractions.open.axis[k](i));
         }
         return size_of(n);
     }
@@ -174,14 +175,14 @@ struct TractionLoop {
         return 1 / (math::max(slip.length(i), no_penetration_layer) + beyond);
     }
     // A surface of that size along the faces across axis k, so many widths above the lower one.
-    KOKKOS_INLINE_FUNCTION void hold(std::ptrdiff_t i, int k, double at, double size) const {
+    KOKKOS_INLINE_FUNCTION void constrain(std::ptrdiff_t i, int k, double at, double size) const {
         double normal[3] = {0, 0, 0};
         normal[k] = 1;
         faces.slip_interpolation_weight.axis[k](i) = 1 - math::min(1.0, math::max(0.0, at));
         add(i, normal, size, 1 / no_penetration_layer, 0);
     }
-    // Takes what is along the faces, cell c's, off its areas n; `holds`: with its traction.
-    KOKKOS_INLINE_FUNCTION void take_sides(std::ptrdiff_t i, const int c[3], bool holds, double n[3]) const {
+    // Takes what is along the faces, cell c's, off its areas n; `constrains`: with its traction.
+    KOKKOS_INLINE_FUNCTION void take_sides(std::ptrdiff_t i, const int c[3], bool constrains, double n[3]) const {
         for (int k = 0; k < faces.dimensions; ++k) {
             double x[3];
             grid.face(k, c, x);
@@ -191,13 +192,13 @@ struct TractionLoop {
                 if (!(thickness > min_liquid_fraction) || !(thickness < 1 + min_liquid_fraction)) continue;
                 const double size = open.axis[k](side == 0 ? i + faces.stride[k] : i);
                 n[k] -= side == 0 ? size : -size;
-                if (holds && size > 0) hold(i, k, at, size);
+                if (constrains && size > 0) constrain(i, k, at, size);
             }
         }
         const double size = size_of(n);
         for (int k = 0; k < faces.dimensions; ++k) {
             if (!(size > min_liquid_fraction) || !(math::fabs(n[k]) > aligned * size)) continue;
-            if (holds) hold(i, k, 0.5 - (n[k] > 0 ? 1 : -1) * slip.distance(i) / grid.dx, math::fabs(n[k]));
+            if (constrains) constrain(i, k, 0.5 - (n[k] > 0 ? 1 : -1) * slip.distance(i) / grid.dx, math::fabs(n[k]));
             n[k] = 0;
         }
     }
@@ -209,7 +210,7 @@ struct TractionLoop {
     }
     KOKKOS_INLINE_FUNCTION void operator()(int at) const {
         int c[3];
-        const auto i = inner.place(at, c);
+        const auto i = inner.index(at, c);
         for (int k = 0; k < 6; ++k) faces.traction[k](i) = 0;
         if (!(wet(i) > min_liquid_fraction)) return;
         const bool carries = fluid(i) >= 0.5;
@@ -246,7 +247,7 @@ struct SlipWeightLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
-        const auto i = inner.place(n, c);
+        const auto i = inner.index(n, c);
         const double lower = wet(i), upper = wet(i + stride);
         out(i) = lower + upper > 0 ? lower / (lower + upper) : 0.5;
     }
@@ -263,7 +264,7 @@ void make_room(const Array<double>& like, std::initializer_list<Array<double>*> 
 
 void ViscousParts::weigh_stresses(const ViscousScene& scene, const ViscosityOptions& options) {
     const auto& f = scene.fractions;
-    const auto& grip = scene.slip ? scene.slip->grip : f;
+    const auto& no_slip_fractions = scene.slip ? scene.slip->no_slip_fractions : f;
     const int n = static_cast<int>(faces_.window.size());
     const double length = scene.grid.dimensions == 3 ? scene.grid.dx : 1.0;
     const auto weigh = [&](const Array<double>& viscosity, const Array<double>& wet, const Array<double>& fluid,
@@ -273,9 +274,9 @@ void ViscousParts::weigh_stresses(const ViscousScene& scene, const ViscosityOpti
             StressLoop{
                 viscosity, wet, fluid, out, k * length, options.min_liquid_fraction, options.min_fluid_fraction});
     };
-    weigh(scene.viscosity.cell, f.cell_liquid_clipped, grip.cell_fluid, 2, faces_.normal);
+    weigh(scene.viscosity.cell, f.cell_liquid_clipped, no_slip_fractions.cell_fluid, 2, faces_.normal);
     for (int e = scene.grid.dimensions == 3 ? 0 : 2; e < 3; ++e) {
-        weigh(scene.viscosity.edge.axis[e], f.edge_liquid_clipped.axis[e], grip.edge_fluid.axis[e], 1,
+        weigh(scene.viscosity.edge.axis[e], f.edge_liquid_clipped.axis[e], no_slip_fractions.edge_fluid.axis[e], 1,
             faces_.shear.axis[e]);
     }
 }
@@ -305,19 +306,19 @@ void ViscousParts::weigh_slip(const ViscousScene& scene, const ViscosityOptions&
 
 void ViscousParts::classify_faces(const ViscousScene& scene, const ViscosityOptions& options, double dt) {
     const auto& f = scene.fractions;
-    const auto& grip = scene.slip ? scene.slip->grip : f;
+    const auto& no_slip_fractions = scene.slip ? scene.slip->no_slip_fractions : f;
     const Inner inner(faces_.window, faces_.dimensions);
     for (int a = 0; a < faces_.dimensions; ++a) {
-        make_room(f.cell_liquid_clipped, {&faces_.share.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a],
+        make_room(f.cell_liquid_clipped, {&faces_.fraction.axis[a], &faces_.scale.axis[a], &faces_.mass.axis[a],
                                              &faces_.solid.axis[a], &faces_.bend.axis[a]});
         if (faces_.role[a].extent(0) < f.cell_liquid_clipped.extent(0)) {
             reserve(faces_.role[a], f.cell_liquid_clipped.extent(0));
             Kokkos::deep_copy(faces_.role[a], int(inactive_face));
         }
         Kokkos::parallel_for("treacle::classify_faces", inner.count(),
-            RoleLoop{faces_, inner, a, f.face_liquid_clipped.axis[a], grip.face_fluid.axis[a], grip.cell_fluid,
-                grip.edge_fluid, options.min_liquid_fraction, options.min_fluid_fraction,
-                scene.density * cube_volume(scene.grid) / dt,
+            RoleLoop{faces_, inner, a, f.face_liquid_clipped.axis[a], no_slip_fractions.face_fluid.axis[a],
+                no_slip_fractions.cell_fluid, no_slip_fractions.edge_fluid, options.min_liquid_fraction,
+                options.min_fluid_fraction, scene.density * cube_volume(scene.grid) / dt,
                 scene.pressure_faces ? *scene.pressure_faces : PressureFaces(), scene.pressure_faces != nullptr,
                 scene.no_slip});
     }
@@ -336,7 +337,7 @@ void ViscousParts::move_solids(const ViscousScene& scene, const BodyMotion& moti
             Kokkos::deep_copy(faces_.bend.axis[a], 0.0);
         } else {
             Kokkos::parallel_for("treacle::move_solids", inner.count(),
-                SolidLoop{faces_, inner, a, scene.shares[static_cast<std::size_t>(a)], motion, scene.grid});
+                SolidLoop{faces_, inner, a, scene.body_fractions[static_cast<std::size_t>(a)], motion, scene.grid});
         }
         if (!sides) continue;
         for (const auto& out : {faces_.solid.axis[a], faces_.bend.axis[a]}) {
@@ -370,7 +371,7 @@ std::size_t ViscousParts::bytes() const {
     std::size_t total = faces_.normal.span();
     for (int a = 0; a < 3; ++a) {
         total += faces_.shear.axis[a].span();
-        for (const auto* field : {&faces_.share, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend,
+        for (const auto* field : {&faces_.fraction, &faces_.scale, &faces_.mass, &faces_.solid, &faces_.bend,
                  &faces_.slip_interpolation_weight}) {
             total += field->axis[a].span();
         }

@@ -18,19 +18,19 @@ solve::Preconditioner translate(Preconditioner kind) {
     return solve::KrylovOptions().preconditioner;
 }
 
-void gather_faces(const FaceField& velocity, const Array<int>& place_of, int n, const Array<double>& x) {
+void gather_faces(const FaceField& velocity, const Array<int>& face_of, int n, const Array<double>& x) {
     Kokkos::parallel_for(
-        "treacle::viscous_guess", n, KOKKOS_LAMBDA(int r) { x(r) = velocity.axis[place_of(r) % 3](place_of(r) / 3); });
+        "treacle::viscous_guess", n, KOKKOS_LAMBDA(int r) { x(r) = velocity.axis[face_of(r) % 3](face_of(r) / 3); });
 }
 
-void scatter_faces(const Array<double>& x, const Array<int>& place_of, int n, const FaceField& velocity) {
+void scatter_faces(const Array<double>& x, const Array<int>& face_of, int n, const FaceField& velocity) {
     Kokkos::parallel_for(
-        "treacle::viscous_result", n, KOKKOS_LAMBDA(int r) { velocity.axis[place_of(r) % 3](place_of(r) / 3) = x(r); });
+        "treacle::viscous_result", n, KOKKOS_LAMBDA(int r) { velocity.axis[face_of(r) % 3](face_of(r) / 3) = x(r); });
 }
 
-void hold_faces(const ViscousFaces& faces, const CellBox& owned, const FaceField& velocity) {
+void prescribe_faces(const ViscousFaces& faces, const CellBox& owned, const FaceField& velocity) {
     Kokkos::parallel_for(
-        "treacle::held_faces", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
+        "treacle::prescribed_faces", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int n) {
             int c[3];
             owned.cell(n, c);
             const int i = faces.window.index(c[0], c[1], c[2]);
@@ -62,7 +62,7 @@ solve::KrylovOptions ViscousProblem::krylov() {
     out.preconditioner = translate(options_.preconditioner);
     if (options_.preconditioner == Preconditioner::multilevel) {
         out.user.set_up = [this](solve::Matrix& a) {
-            multilevel_.set_up(a, {dimensions_, dx_, cells_, places_, axes_, aside_}, border());
+            multilevel_.set_up(a, {dimensions_, dx_, cells_, positions_, axes_, aside_}, border());
             mechanisms_.build(comm_, parts_.faces(), system_, system_.owned());
             auto taken = aside_;
             mechanisms_.mark(taken);
@@ -95,14 +95,14 @@ void ViscousProblem::describe_rows(const MacGrid& grid) {
     dx_ = grid.dx;
     dimensions_ = grid.dimensions;
     cells_.assign(3 * rows(), 0);
-    places_.assign(3 * rows(), 0.0);
+    positions_.assign(3 * rows(), 0.0);
     axes_.assign(rows(), 0);
     aside_.assign(rows(), 1);
-    const auto place_of = on_host(system_.place_of());
+    const auto face_of = on_host(system_.face_of());
     for (std::size_t r = 0; r < faces(); ++r) {
-        const int axis = place_of(r) % 3;
-        parts_.faces().window.cell(place_of(r) / 3, &cells_[3 * r]);
-        grid.face(axis, &cells_[3 * r], &places_[3 * r]);
+        const int axis = face_of(r) % 3;
+        parts_.faces().window.cell(face_of(r) / 3, &cells_[3 * r]);
+        grid.face(axis, &cells_[3 * r], &positions_[3 * r]);
         axes_[r] = static_cast<signed char>(axis);
         aside_[r] = 0;
     }
@@ -135,7 +135,7 @@ void ViscousProblem::couple(std::span<const double> from, std::span<double> to) 
     for (std::size_t k = 0; k < m; ++k) to[n + k] += shared[k];
 }
 
-void ViscousProblem::find_places(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt) {
+void ViscousProblem::update_faces(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt) {
     update_motion(bodies, scene.grid, motion_);
     parts_.build(scene, options_, motion_, dt);
 }
@@ -147,7 +147,7 @@ void ViscousProblem::build(
     has_moving_bodies_ = bodies.any_moves();
     answers_ = coupling_ != Coupling::one_way && bodies.any_dynamic();
     matrix_.reset();
-    find_places(scene, bodies, dt);
+    update_faces(scene, bodies, dt);
     if (has_moving_bodies_) bodies_.prepare(bodies);
     coupled_ = answers_ && coupling_ == Coupling::strong ? bodies_.unknowns() : 0;
     system_.assemble(comm_, scene.halo, parts_.faces(), coupled_);
@@ -167,7 +167,7 @@ void ViscousProblem::right_hand_side(const FaceField& velocity, std::span<double
 }
 
 void ViscousProblem::read(const FaceField& velocity, std::span<double> x) {
-    gather_faces(velocity, system_.place_of(), system_.faces(), faces_);
+    gather_faces(velocity, system_.face_of(), system_.faces(), faces_);
     const auto host = on_host(faces_);
     std::fill(x.begin(), x.end(), 0.0);
     std::copy_n(host.data(), faces(), x.begin());
@@ -177,7 +177,7 @@ void ViscousProblem::write(std::span<const double> x, const FaceField& velocity)
     auto host = Kokkos::create_mirror_view(faces_);
     std::copy_n(x.begin(), faces(), host.data());
     Kokkos::deep_copy(faces_, host);
-    scatter_faces(faces_, system_.place_of(), system_.faces(), velocity);
+    scatter_faces(faces_, system_.face_of(), system_.faces(), velocity);
 }
 
 std::vector<double> ViscousProblem::motions(std::span<const double> x) const {
@@ -220,7 +220,7 @@ void ViscousProblem::load_resting(const ViscousScene& scene, std::span<const dou
         resting.renumber(faces.slip_body, static_cast<std::size_t>(faces.window.size()), resting_number_);
         faces.slip_body = resting_number_;
     }
-    const ViscousScene of_resting{scene.grid, scene.halo, scene.fractions, resting.shares(), scene.viscosity,
+    const ViscousScene of_resting{scene.grid, scene.halo, scene.fractions, resting.body_fractions(), scene.viscosity,
         scene.density, scene.slip, scene.pressure_faces, scene.strains};
     resting_.prepare(resting.count());
     resting_.build(comm_, of_resting, faces, system_, resting.motion(), velocity);
@@ -240,14 +240,14 @@ std::vector<double> ViscousProblem::apply(const ViscousScene& scene, std::span<c
     }
     if (scene.resting) load_resting(scene, x.first(faces()), velocity);
     write(x, velocity);
-    hold_faces(parts_.faces(), scene.halo.owned(), velocity);
+    prescribe_faces(parts_.faces(), scene.halo.owned(), velocity);
     return loads;
 }
 
 std::size_t ViscousProblem::bytes() const {
     return parts_.bytes() + system_.bytes() + bodies_.bytes() + resting_.bytes() + multilevel_.bytes() +
-           mechanisms_.bytes() + soft_pairs_.bytes() + components_.bytes() + 8 * (faces_.span() + places_.capacity()) +
-           4 * cells_.capacity() + axes_.capacity() + aside_.capacity();
+           mechanisms_.bytes() + soft_pairs_.bytes() + components_.bytes() +
+           8 * (faces_.span() + positions_.capacity()) + 4 * cells_.capacity() + axes_.capacity() + aside_.capacity();
 }
 
 } // namespace treacle::grid

@@ -17,18 +17,18 @@ public:
     ViscousProblem(const ViscousProblem&) = delete; // the solver refers to it
     ViscousProblem& operator=(const ViscousProblem&) = delete;
 
-    // Finds the faces that there are, and those that solids hold; build() does it, too. Local.
-    void find_places(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt);
-    // Collective, for the liquid and the bodies as they are. `velocity` is that of the liquid that bodies hold.
+    // Finds the faces that there are, and those that solids prescribe; build() does it, too. Local.
+    void update_faces(const ViscousScene& scene, const rigid::RigidBodies& bodies, double dt);
+    // Collective, for the liquid and the bodies as they are. `velocity` is that of the liquid whose velocity bodies prescribe.
     void build(const ViscousScene& scene, const FaceField& velocity, const rigid::RigidBodies& bodies, double dt);
 
     // Rows and faces of this rank; faces of all ranks.
     std::size_t rows() const { return static_cast<std::size_t>(system_.rows()); }
     std::size_t faces() const { return static_cast<std::size_t>(system_.faces()); }
     std::int64_t global_faces() const { return system_.global_rows() - coupled_; }
-    solve::Matrix& matrix() { return *matrix_; }                  // after build()
-    bool built() const { return matrix_.has_value(); }            // matrix() is there
-    const ViscousFaces& places() const { return parts_.faces(); } // roles and fractions of the faces
+    solve::Matrix& matrix() { return *matrix_; }                         // after build()
+    bool built() const { return matrix_.has_value(); }                   // matrix() is there
+    const ViscousFaces& viscous_faces() const { return parts_.faces(); } // roles and fractions of the faces
     // The faces' part of the system.
     const ViscousSystem& system() const { return system_; }
     ViscousSystem& system() { return system_; }
@@ -95,7 +95,7 @@ private:
     int dimensions_ = 3, coupled_ = 0;                 // coupled: unknowns of the bodies
     bool has_moving_bodies_ = false, answers_ = false; // there are bodies that move; their motion depends on the liquid
     std::vector<int> cells_;
-    std::vector<double> places_;
+    std::vector<double> positions_;
     std::vector<signed char> axes_;
     std::vector<unsigned char> aside_;
 };

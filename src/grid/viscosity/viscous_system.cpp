@@ -13,7 +13,7 @@ constexpr int most_entries = 15; // of a row: 1 + 6 of its axis + 8 of the other
 struct NumberLoop {
     ViscousFaces faces;
     CellBox owned;
-    Array<int> row_of[3], place_of;
+    Array<int> row_of[3], face_of;
     int first;
     bool write;
 
@@ -25,7 +25,7 @@ struct NumberLoop {
             const bool unknown = faces.role[a](i) == unknown_face;
             if (last && write) {
                 row_of[a](i) = unknown ? first + sum : -1;
-                if (unknown) place_of(sum) = 3 * i + a;
+                if (unknown) face_of(sum) = 3 * i + a;
             }
             sum += static_cast<int>(unknown);
         }
@@ -57,7 +57,7 @@ struct RisingRow {
 
 struct RowLoop {
     ViscousFaces faces;
-    Array<int> row_of[3], halo_place[3], place_of;
+    Array<int> row_of[3], halo_column[3], face_of;
     ViscousSystem::Block own, other;
     int first, rows;
     bool write;
@@ -67,9 +67,9 @@ struct RowLoop {
         int columns[2][most_entries];
         double values[2][most_entries];
         RisingRow here{columns[0], values[0]}, there{columns[1], values[1]};
-        const int a = place_of(r) % 3;
-        const std::ptrdiff_t i = place_of(r) / 3;
-        const double share = faces.share.axis[a](i);
+        const int a = face_of(r) % 3;
+        const std::ptrdiff_t i = face_of(r) / 3;
+        const double fraction = faces.fraction.axis[a](i);
         here.add(r, faces.mass.axis[a](i));
         const auto add = [&](int b, std::ptrdiff_t j, double value) {
             const int row = row_of[b](j);
@@ -77,11 +77,11 @@ struct RowLoop {
             if (row >= first && row < first + rows) {
                 here.add(row - first, value);
             } else {
-                there.add(halo_place[b](j), value);
+                there.add(halo_column[b](j), value);
             }
         };
-        faces.each_entry(
-            a, i, [&](int b, std::ptrdiff_t j, double entry) { add(b, j, entry * (share * faces.share.axis[b](j))); });
+        faces.each_entry(a, i,
+            [&](int b, std::ptrdiff_t j, double entry) { add(b, j, entry * (fraction * faces.fraction.axis[b](j))); });
         faces.volumes.each_entry(a, i, add);
         if (!write) {
             own.offset(r) = here.count;
@@ -101,36 +101,37 @@ struct RowLoop {
 
 struct RightLoop {
     ViscousFaces faces;
-    Array<int> place_of;
+    Array<int> face_of;
     FaceField velocity;
     Array<double> b;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
-        const int a = place_of(r) % 3;
-        const std::ptrdiff_t i = place_of(r) / 3;
+        const int a = face_of(r) % 3;
+        const std::ptrdiff_t i = face_of(r) / 3;
         double pull = 0;
         faces.each_entry(
             a, i, [&](int axis, std::ptrdiff_t j, double entry) { pull += entry * faces.solid.axis[axis](j); });
         faces.each_slip(a, i, [&](std::ptrdiff_t cell, int axis, double k) { pull -= k * faces.wall[axis](cell); });
-        b(r) = faces.mass.axis[a](i) * velocity.axis[a](i) - faces.share.axis[a](i) * (pull - faces.strain_pull(a, i));
+        b(r) =
+            faces.mass.axis[a](i) * velocity.axis[a](i) - faces.fraction.axis[a](i) * (pull - faces.strain_pull(a, i));
     }
 };
 } // namespace
 
 void ViscousSystem::number_rows(const Comm& comm, CellHalo& halo, const ViscousFaces& faces) {
-    const auto places = static_cast<std::size_t>(faces.window.size());
+    const auto window_size = static_cast<std::size_t>(faces.window.size());
     for (auto& rows : row_of_) {
-        reserve(rows, places);
+        reserve(rows, window_size);
         Kokkos::deep_copy(rows, -1);
     }
-    NumberLoop loop{faces, owned_, {row_of_[0], row_of_[1], row_of_[2]}, place_of_, 0, false};
+    NumberLoop loop{faces, owned_, {row_of_[0], row_of_[1], row_of_[2]}, face_of_, 0, false};
     const int cells = static_cast<int>(owned_.size());
     free_ = 0;
     Kokkos::parallel_scan("treacle::count_viscous_rows", cells, loop, free_);
     first_row_ = comm.exclusive_sum(static_cast<std::int64_t>(rows()));
     global_rows_ = comm.sum(static_cast<std::int64_t>(rows()));
-    reserve(place_of_, static_cast<std::size_t>(free_));
-    loop.place_of = place_of_;
+    reserve(face_of_, static_cast<std::size_t>(free_));
+    loop.face_of = face_of_;
     loop.first = static_cast<int>(first_row_);
     loop.write = true;
     Kokkos::parallel_scan("treacle::number_viscous_rows", cells, loop, free_);
@@ -162,15 +163,16 @@ void ViscousSystem::connect_halo(const Comm& comm, const CellHalo& halo, int dim
     std::sort(columns_.begin(), columns_.end());
     columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
     halo_.connect(comm, first_row_, columns_);
-    Array<int>::HostMirror place[3];
+    Array<int>::HostMirror halo_column[3];
     for (int a = 0; a < dimensions; ++a) {
-        reserve(halo_place_[a], static_cast<std::size_t>(window.size()));
-        place[a] = Kokkos::create_mirror_view(halo_place_[a]);
+        reserve(halo_column_[a], static_cast<std::size_t>(window.size()));
+        halo_column[a] = Kokkos::create_mirror_view(halo_column_[a]);
     }
     each([&](int a, int i, int row) {
-        place[a](i) = static_cast<int>(std::lower_bound(columns_.begin(), columns_.end(), row) - columns_.begin());
+        halo_column[a](i) =
+            static_cast<int>(std::lower_bound(columns_.begin(), columns_.end(), row) - columns_.begin());
     });
-    for (int a = 0; a < dimensions; ++a) Kokkos::deep_copy(halo_place_[a], place[a]);
+    for (int a = 0; a < dimensions; ++a) Kokkos::deep_copy(halo_column_[a], halo_column[a]);
 }
 
 void ViscousSystem::count_entries(const ViscousFaces& faces) {
@@ -178,8 +180,8 @@ void ViscousSystem::count_entries(const ViscousFaces& faces) {
     reserve(own_.offset, n + 1);
     reserve(other_.offset, n + 1);
     Kokkos::parallel_for("treacle::count_viscous_entries", free_,
-        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_place_[0], halo_place_[1], halo_place_[2]},
-            place_of_, own_, other_, static_cast<int>(first_row_), free_, false});
+        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_column_[0], halo_column_[1], halo_column_[2]},
+            face_of_, own_, other_, static_cast<int>(first_row_), free_, false});
     const int faces_here = free_, extra = extra_;
     const auto own = own_.offset, other = other_.offset;
     Kokkos::parallel_for(
@@ -196,8 +198,8 @@ void ViscousSystem::count_entries(const ViscousFaces& faces) {
 
 void ViscousSystem::fill(const ViscousFaces& faces) {
     Kokkos::parallel_for("treacle::fill_viscous_matrix", free_,
-        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_place_[0], halo_place_[1], halo_place_[2]},
-            place_of_, own_, other_, static_cast<int>(first_row_), free_, true});
+        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_column_[0], halo_column_[1], halo_column_[2]},
+            face_of_, own_, other_, static_cast<int>(first_row_), free_, true});
     const int faces_here = free_, extra = extra_;
     const auto own = own_;
     Kokkos::parallel_for(
@@ -230,12 +232,12 @@ solve::CsrBlocks ViscousSystem::blocks() {
 
 void ViscousSystem::right_hand_side(
     const ViscousFaces& faces, const FaceField& velocity, const Array<double>& b) const {
-    Kokkos::parallel_for("treacle::viscous_right_hand_side", free_, RightLoop{faces, place_of_, velocity, b});
+    Kokkos::parallel_for("treacle::viscous_right_hand_side", free_, RightLoop{faces, face_of_, velocity, b});
 }
 
 std::size_t ViscousSystem::bytes() const {
-    std::size_t total = 4 * (place_of_.span() + columns_.capacity()) + halo_.bytes();
-    for (int a = 0; a < 3; ++a) total += 4 * (row_of_[a].span() + halo_place_[a].span());
+    std::size_t total = 4 * (face_of_.span() + columns_.capacity()) + halo_.bytes();
+    for (int a = 0; a < 3; ++a) total += 4 * (row_of_[a].span() + halo_column_[a].span());
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();
     }

@@ -23,7 +23,7 @@ public:
     std::int64_t global_rows() const { return global_rows_; }          // of all ranks, extra ones included
     int extra() const { return extra_; }                               // on this rank
     const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
-    const Array<int>& place_of() const { return place_of_; } // [faces()] place in the window times 3 plus the axis
+    const Array<int>& face_of() const { return face_of_; } // [faces()] index in the window times 3 plus the axis
 
     RowHalo& halo() { return halo_; } // to the other ranks' columns
 
@@ -60,8 +60,8 @@ private:
     RowHalo halo_;
     std::vector<int> columns_;
     Array<int> row_of_[3];
-    Array<int> place_of_{"treacle::viscous_place", 0};
-    Array<int> halo_place_[3]; // [window] of other ranks' rows: place in the halo
+    Array<int> face_of_{"treacle::viscous_face_of", 0};
+    Array<int> halo_column_[3]; // [window] of other ranks' rows: column of the halo
     CellBox owned_;
     int free_ = 0, extra_ = 0;
     std::int64_t first_row_ = 0, global_rows_ = 0;

@@ -6,9 +6,9 @@
 namespace treacle::grid {
 
 namespace {
-// The exact share of a pressure's flux is 1/(2 eta) in a cell between equally viscous ones; the loop below has
+// The exact fraction of a pressure's flux is 1/(2 eta) in a cell between equally viscous ones; the loop below has
 // 4 d/((2 d + 2) eta) of it in d dimensions.
-double exact_share(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
+double exact_fraction(int dimensions) { return 4.0 * dimensions / (2.0 * dimensions + 2); }
 
 // The inverse of the sum of area^2 / (resistance of the face's own stresses) of each cell with a pressure; none beside
 // faces that no stress resists, through which liquid leaves against its mass alone. The matrix holds none of cells without
@@ -17,12 +17,12 @@ struct StiffnessLoop {
     ViscousFaces viscous;
     PressureFaces pressure;
     Array<int> cell_of, by_body;
-    double face, factor;
-    Array<double> by_row, held_by_row, held;
+    double face, factor; // [m2], of a 2D scene [m]
+    Array<double> by_row, stiffness_by_row, stiffness;
 
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         double sum = 0;
-        bool free_face = false;
+        bool unresisted = false;
         for (int a = 0; a < pressure.dimensions; ++a) {
             for (int side = 0; side < 2; ++side) {
                 const auto i = cell_of(r) + side * pressure.stride[a];
@@ -30,17 +30,17 @@ struct StiffnessLoop {
                 if (!(area > 0)) continue;
                 double stress = 0;
                 viscous.each_stress(a, i, viscous.normal, viscous.shear, [&](double w) { stress += w; });
-                const double share = viscous.share.axis[a](i), resistance = share * share * stress;
-                free_face = free_face || !(resistance > 0);
+                const double fraction = viscous.fraction.axis[a](i), resistance = fraction * fraction * stress;
+                unresisted = unresisted || !(resistance > 0);
                 if (resistance > 0) sum += area * area / resistance;
             }
         }
         const bool stress_free = !(viscous.normal(cell_of(r)) > 0);
-        const double own = free_face || !(sum > 0) ? 0.0 : factor / sum,
+        const double own = unresisted || !(sum > 0) ? 0.0 : factor / sum,
                      more = stress_free || by_body(r) != 0 ? 0.0 : own;
         by_row(r) = own + more;
-        held_by_row(r) = more;
-        held(cell_of(r)) = face * face * more;
+        stiffness_by_row(r) = more;
+        stiffness(cell_of(r)) = face * face * more;
     }
 };
 } // namespace
@@ -49,11 +49,11 @@ void VolumeStresses::find(
     Pressure& pressure, const ViscousFaces& viscous, const rigid::RigidBodies& bodies, CellHalo& halo, double face) {
     const auto& system = pressure.system();
     const auto rows = static_cast<std::size_t>(system.rows());
-    held_.faces = system.faces();
-    reserve(held_.held, static_cast<std::size_t>(halo.window().size()));
-    Kokkos::deep_copy(held_.held, 0.0);
+    stiffness_.faces = system.faces();
+    reserve(stiffness_.stiffness, static_cast<std::size_t>(halo.window().size()));
+    Kokkos::deep_copy(stiffness_.stiffness, 0.0);
     reserve(by_row_, rows);
-    reserve(held_by_row_, rows);
+    reserve(stiffness_by_row_, rows);
     reserve(by_body_, rows);
     const auto by_body = Kokkos::create_mirror_view(by_body_);
     Kokkos::deep_copy(by_body, 0);
@@ -62,9 +62,9 @@ void VolumeStresses::find(
     }
     Kokkos::deep_copy(by_body_, by_body);
     Kokkos::parallel_for("treacle::volume_stiffness", system.rows(),
-        StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face, exact_share(held_.faces.dimensions),
-            by_row_, held_by_row_, held_.held});
-    halo.gather({held_.held});
+        StiffnessLoop{viscous, system.faces(), system.cell_of(), by_body_, face,
+            exact_fraction(stiffness_.faces.dimensions), by_row_, stiffness_by_row_, stiffness_.stiffness});
+    halo.gather({stiffness_.stiffness});
 }
 
 } // namespace treacle::grid

@@ -8,31 +8,31 @@ namespace treacle::grid {
 class Pressure;
 struct ViscousFaces;
 
-// Resistance of cells to what flows out of them, held (A u) A for the areas A of their faces, which adds to the viscous matrix
+// Resistance of cells to what flows out of them, stiffness (A u) A for the areas A of their faces, which adds to the viscous matrix
 // where pressure and viscosity are solved together (U). In kernels.
 struct VolumeStiffness {
-    PressureFaces faces; // of the pressure
-    Array<double> held;  // [window] by a flux in face areas [kg/s]; none: no cell resists
+    PressureFaces faces;     // of the pressure
+    Array<double> stiffness; // [window] by a flux in face areas [kg/s]; none: no cell resists
 
     // True when any cell beside the face resists.
-    KOKKOS_INLINE_FUNCTION bool holds(int a, std::ptrdiff_t i) const {
-        return held.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 &&
-               (held(i) > 0 || held(i - faces.stride[a]) > 0);
+    KOKKOS_INLINE_FUNCTION bool resists(int a, std::ptrdiff_t i) const {
+        return stiffness.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 &&
+               (stiffness(i) > 0 || stiffness(i - faces.stride[a]) > 0);
     }
     // Row (a, i): use(b, j, entry) for each face j across b that it meets, itself twice.
     template <class Use>
     KOKKOS_INLINE_FUNCTION void each_entry(int a, std::ptrdiff_t i, const Use& use) const {
-        if (held.extent(0) == 0) return;
+        if (stiffness.extent(0) == 0) return;
         const double own = faces.open(a, static_cast<std::size_t>(i));
         if (!(own > 0)) return;
         for (int side = 0; side < 2; ++side) {
             const std::ptrdiff_t cell = side == 0 ? i : i - faces.stride[a];
-            if (!(held(cell) > 0)) continue;
+            if (!(stiffness(cell) > 0)) continue;
             for (int b = 0; b < faces.dimensions; ++b) {
                 for (int end = 0; end < 2; ++end) {
                     const std::ptrdiff_t j = cell + end * faces.stride[b];
                     const double other = faces.open(b, static_cast<std::size_t>(j));
-                    if (other > 0) use(b, j, (side == end ? held(cell) : -held(cell)) * (own * other));
+                    if (other > 0) use(b, j, (side == end ? stiffness(cell) : -stiffness(cell)) * (own * other));
                 }
             }
         }
@@ -48,18 +48,18 @@ public:
     void find(
         Pressure& pressure, const ViscousFaces& viscous, const rigid::RigidBodies& bodies, CellHalo& halo, double face);
 
-    const VolumeStiffness& held() const { return held_; } // for kernels, as of find()
-    // [rows of the pressure] pressure by flux, the part that the matrix holds included [Pa s/m3].
+    const VolumeStiffness& stiffness() const { return stiffness_; } // for kernels, as of find()
+    // [rows of the pressure] pressure by flux, the part that is in the matrix included [Pa s/m3].
     const Array<double>& by_row() const { return by_row_; }
-    const Array<double>& held_by_row() const { return held_by_row_; } // that part alone
+    const Array<double>& stiffness_by_row() const { return stiffness_by_row_; } // that part alone
     std::size_t bytes() const {
-        return 8 * (held_.held.span() + by_row_.span() + held_by_row_.span()) + 4 * by_body_.span();
+        return 8 * (stiffness_.stiffness.span() + by_row_.span() + stiffness_by_row_.span()) + 4 * by_body_.span();
     }
 
 private:
-    VolumeStiffness held_;
+    VolumeStiffness stiffness_;
     Array<int> by_body_{"treacle::by_body", 0}; // [rows] 1 where a moving body contributes to the flux
-    Array<double> by_row_{"treacle::pressure_by_flux", 0}, held_by_row_{"treacle::held_by_flux", 0};
+    Array<double> by_row_{"treacle::pressure_by_flux", 0}, stiffness_by_row_{"treacle::stiffness_by_flux", 0};
 };
 
 } // namespace treacle::grid

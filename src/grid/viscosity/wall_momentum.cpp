@@ -15,7 +15,7 @@ struct LossLoop {
     CellBox owned;
     PressureFaces faces;
     FaceField wet, fluid, before, after;
-    BodyShares shares[3];
+    BodyFractions body_fractions[3];
     BodyMotion motion;
     ViscousFaces viscous;
     bool closed, solved, together;
@@ -27,8 +27,8 @@ struct LossLoop {
     KOKKOS_INLINE_FUNCTION void join(value_type sum, const value_type other) const {
         for (size_type k = 0; k < value_count; ++k) sum[k] += other[k];
     }
-    // Mass of the liquid at a face that solids hold, over that of a full cube.
-    KOKKOS_INLINE_FUNCTION double share_held(int a, std::size_t i) const {
+    // Mass of the liquid at a face that solids constrain, over that of a full cube.
+    KOKKOS_INLINE_FUNCTION double constrained_fraction(int a, std::size_t i) const {
         const bool is_closed = !(faces.open(a, i) > 0);
         if (is_closed != closed) return 0;
         if (closed) {
@@ -46,13 +46,14 @@ struct LossLoop {
         const auto i = static_cast<std::size_t>(faces.window.index(c[0], c[1], c[2]));
         for (int a = 0; a < faces.dimensions; ++a) {
             const double solid = 1 - fluid.axis[a](i), change = before.axis[a](i) - after.axis[a](i);
-            if (!(solid > least_solid) || shares[a].first(i) == shares[a].first(i + 1) || change == 0) continue;
-            const double lost = mass * share_held(a, i) * change / solid;
+            if (!(solid > least_solid) || body_fractions[a].first(i) == body_fractions[a].first(i + 1) || change == 0)
+                continue;
+            const double lost = mass * constrained_fraction(a, i) * change / solid;
             double x[3], arm[3];
             grid.face(a, c, x);
-            for (int k = shares[a].first(i); k < shares[a].first(i + 1); ++k) {
-                motion.arm(shares[a].body(k), x, arm);
-                add_load(a, arm, shares[a].share(k) * lost, sum + 6 * shares[a].body(k));
+            for (int k = body_fractions[a].first(i); k < body_fractions[a].first(i + 1); ++k) {
+                motion.arm(body_fractions[a].body(k), x, arm);
+                add_load(a, arm, body_fractions[a].fraction(k) * lost, sum + 6 * body_fractions[a].body(k));
             }
         }
     }
@@ -61,11 +62,11 @@ struct LossLoop {
 
 void WallMomentum::add(const Scene& scene, Which which, const FaceField& velocity) {
     if (scene.owned.empty()) return;
-    const auto& shares = scene.resting.shares();
+    const auto& body_fractions = scene.resting.body_fractions();
     LossLoop loop{lost_.size(), scene.grid, scene.owned, scene.faces, scene.fractions.face_liquid_clipped,
-        scene.fractions.face_fluid, before_, velocity, {shares[0], shares[1], shares[2]}, scene.resting.motion(),
-        scene.viscous ? *scene.viscous : ViscousFaces(), which == Which::closed, scene.viscous != nullptr,
-        scene.together, scene.density * cube_volume(scene.grid)};
+        scene.fractions.face_fluid, before_, velocity, {body_fractions[0], body_fractions[1], body_fractions[2]},
+        scene.resting.motion(), scene.viscous ? *scene.viscous : ViscousFaces(), which == Which::closed,
+        scene.viscous != nullptr, scene.together, scene.density * cube_volume(scene.grid)};
     std::vector<double> sums(lost_.size(), 0.0);
     using Sums = Kokkos::View<double*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
     Kokkos::parallel_reduce(

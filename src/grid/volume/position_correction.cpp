@@ -26,7 +26,7 @@ struct Kernel {
 
 // Pairs of a particle: its neighbours and, near solids, the images of itself and of them.
 struct Pairs {
-    Array4 place; // x, y, z and a number of the loop's
+    Array4 packed; // x, y, z and a number of the loop's
     Array3 image;
     Array<int> near; // 1: images count
     Array<std::int64_t> offset;
@@ -36,10 +36,10 @@ struct Pairs {
     // are far away.
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void neighbours(int i, const Visit& visit) const {
-        const SimdDouble x = place(i, 0), y = place(i, 1), z = place(i, 2), far = 1e10;
+        const SimdDouble x = packed(i, 0), y = packed(i, 1), z = packed(i, 2), far = 1e10;
         const auto end = offset(i + 1);
         for (auto k = offset(i); k < end; k += lanes) {
-            const Quads other = gather_quads(place.data(), &index(k));
+            const Quads other = gather_quads(packed.data(), &index(k));
             const LaneMask there = tail_mask(static_cast<int>(math::min(end - k, std::int64_t(lanes))));
             visit(select(there, x - other.x, far), y - other.y, z - other.z, other.w);
         }
@@ -51,7 +51,7 @@ struct Pairs {
         for (auto k = offset(i) - 1; k < offset(i + 1); ++k) {
             const int j = k < offset(i) ? i : index(k);
             if (image(j, 0) == MirrorParticles::none) continue;
-            visit(place(i, 0) - image(j, 0), place(i, 1) - image(j, 1), place(i, 2) - image(j, 2), place(j, 3));
+            visit(packed(i, 0) - image(j, 0), packed(i, 1) - image(j, 1), packed(i, 2) - image(j, 2), packed(j, 3));
         }
     }
 };
@@ -66,11 +66,11 @@ struct Constraint {
     KOKKOS_INLINE_FUNCTION double mobility(int i) const { return mean_mass / particle_mass(liquid(i)); }
 };
 
-void pack_positions(const Array3& x, int n, const Constraint& constraint, const Array4& place) {
+void pack_positions(const Array3& x, int n, const Constraint& constraint, const Array4& packed) {
     Kokkos::parallel_for(
-        "treacle::places", n, KOKKOS_LAMBDA(int i) {
-            for (int c = 0; c < 3; ++c) place(i, c) = x(i, c);
-            place(i, 3) = constraint.mobility(i);
+        "treacle::pack_positions", n, KOKKOS_LAMBDA(int i) {
+            for (int c = 0; c < 3; ++c) packed(i, c) = x(i, c);
+            packed(i, 3) = constraint.mobility(i);
         });
 }
 
@@ -107,7 +107,7 @@ double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n,
                 i, [&](double dx, double dy, double dz, double) { fixed.add(constraint.kernel, dx, dy, dz, 0.0); });
             const double x = sum_lanes(lane.x) + fixed.x, y = sum_lanes(lane.y) + fixed.y,
                          z = sum_lanes(lane.z) + fixed.z;
-            const double mobility = pairs.place(i, 3);
+            const double mobility = pairs.packed(i, 3);
             const double squares =
                 (sum_lanes(lane.squares) + (x * x + y * y + z * z) * mobility) / (constraint.rest * constraint.rest);
             const double sum = constraint.kernel.value(0.0) + sum_lanes(lane.density) + fixed.density;
@@ -120,9 +120,9 @@ double find_multipliers(const Constraint& constraint, const Pairs& pairs, int n,
     return n > 0 ? worst : 0;
 }
 
-void write_multipliers(const Array<double>& multiplier, int n, const Array4& place) {
+void write_multipliers(const Array<double>& multiplier, int n, const Array4& packed) {
     Kokkos::parallel_for(
-        "treacle::multipliers", n, KOKKOS_LAMBDA(int i) { place(i, 3) = multiplier(i); });
+        "treacle::multipliers", n, KOKKOS_LAMBDA(int i) { packed(i, 3) = multiplier(i); });
 }
 
 // dx_i = m_0 / m_i sum_j (lambda_i + lambda_j) grad W_ij / W_0: equal and opposite but for images.
@@ -131,7 +131,7 @@ void find_density_corrections(
     const double theirs = with_neighbours ? 1 : 0;
     Kokkos::parallel_for(
         "treacle::density_correction", n, KOKKOS_LAMBDA(int i) {
-            const double mine = pairs.place(i, 3);
+            const double mine = pairs.packed(i, 3);
             SimdDouble x = 0.0, y = 0.0, z = 0.0;
             pairs.neighbours(i, [&](SimdDouble dx, SimdDouble dy, SimdDouble dz, SimdDouble other) {
                 const auto at = distance(dx * dx + dy * dy + dz * dz);
@@ -204,11 +204,12 @@ void move_particles(const Move& move, int n, const Array3& start, const Array3& 
                 way[c] = from[c] + move.relaxation * scale * correction(i, c) - start(i, c);
                 square += way[c] * way[c];
             }
-            const double share = square > move.cap * move.cap ? move.cap / math::sqrt(square) : 1;
+            const double fraction = square > move.cap * move.cap ? move.cap / math::sqrt(square) : 1;
             double to[3];
             for (int c = 0; c < 3; ++c) {
                 // The correction is added as it is where nothing is capped: sums of corrections stay what they are.
-                to[c] = share < 1 ? start(i, c) + share * way[c] : from[c] + move.relaxation * scale * correction(i, c);
+                to[c] = fraction < 1 ? start(i, c) + fraction * way[c]
+                                     : from[c] + move.relaxation * scale * correction(i, c);
             }
             push_out(move.solid, move.clearance, to);
             for (int c = 0; c < 3; ++c) correction(i, c) = to[c] - from[c];
@@ -222,12 +223,12 @@ void add_corrections(int n, const Array3& x, const Array3& correction) {
         });
 }
 
-// Marks particles that may have images: within the kernel's reach of a solid, and the farthest move.
-void find_near(const DistanceSampler& solid, const Array3& x, int n, double reach, const Array<int>& near) {
+// Marks particles that may have images: within the kernel's support radius of a solid, and the farthest move.
+void find_near(const DistanceSampler& solid, const Array3& x, int n, double cutoff, const Array<int>& near) {
     Kokkos::parallel_for(
         "treacle::near_solids", n, KOKKOS_LAMBDA(int i) {
             const double p[3] = {x(i, 0), x(i, 1), x(i, 2)};
-            near(i) = solid.at(p) < reach ? 1 : 0;
+            near(i) = solid.at(p) < cutoff ? 1 : 0;
         });
 }
 
@@ -263,18 +264,18 @@ double PositionCorrection::correct(const PositionOptions& options, GridParticles
     const auto multiplier = particles.multiplier();
     MirrorParticles::find(
         particles, setting.solids.sampler(), setting.solids.number(), MirroredIn::all_solids, 0.5 * grid_.dx);
-    const Pairs pairs{place_, particles.image(), near_, neighbours_.offset, neighbours_.index};
+    const Pairs pairs{packed_, particles.image(), near_, neighbours_.offset, neighbours_.index};
     const Constraint constraint{{1 / grid_.dx}, rest_, options.cfm_epsilon * rest_gradients_, options.dead_band,
         setting.particle_mass, particles.liquid(), on_host(setting.particle_mass)(0)};
     const int total = particles.store.total();
-    pack_positions(x, total, constraint, place_);
+    pack_positions(x, total, constraint, packed_);
     const double volume = std::pow(grid_.dx, 3) / (grid_.dimensions == 2 ? 4 : 8);
     const double worst =
         setting.comm.max(find_multipliers(constraint, pairs, n, volume, multiplier, particles.density()));
     if (worst < options.tolerance) return worst;
     if (options.method == PositionMethod::density) {
         setting.halo.gather(particles.store, {particles.multiplier_field()});
-        write_multipliers(multiplier, total, place_);
+        write_multipliers(multiplier, total, packed_);
         find_density_corrections(constraint, pairs, n, options.neighbour_constraints, correction);
     } else {
         find_spring_corrections(pairs, n, 0.5 * grid_.dx, correction);
@@ -297,7 +298,7 @@ PositionReport PositionCorrection::apply(
     neighbours_.build(particles.store, particles.store, grid_.cells, setting.cells, grid_.dx);
     reserve(start_, static_cast<std::size_t>(n));
     reserve(near_, static_cast<std::size_t>(n));
-    reserve(place_, static_cast<std::size_t>(particles.store.total()) + 1); // rows end with entries that name row 0
+    reserve(packed_, static_cast<std::size_t>(particles.store.total()) + 1); // rows end with entries that name row 0
     find_near(setting.solids.sampler(), particles.position(), n, (1 + options.cap) * grid_.dx, near_);
     const auto x = particles.position(), start = start_;
     Kokkos::parallel_for(

@@ -65,7 +65,7 @@ private:
     double rest_gradients_ = 0; // of the squared gradients of a particle's constraint there [1/m2]
     NeighbourList neighbours_;
     Array3 start_{"treacle::start", 0};
-    Array4 place_{"treacle::correction_place", 0};
+    Array4 packed_{"treacle::correction_packed", 0};
     Array<int> near_{"treacle::near_solids", 0};
 };
 

@@ -13,7 +13,7 @@ namespace {
 // no run succeeded.
 bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials,
     std::vector<std::vector<EvaluatedRun>>& finer, std::size_t rung, Eigen::VectorXd& point) {
-    constexpr double near = 0.03, reach = 0.15; // of the logarithm of a viscosity
+    constexpr double near = 0.03, step = 0.15; // of the logarithm of a viscosity
     constexpr std::size_t most = 4;
     constexpr int most_failures = 3;
     finer.emplace_back();
@@ -23,7 +23,7 @@ bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials,
         const auto run = trials.run({rung_runs(file, point_of(next))[rung]}).front();
         if (!run) { // its failure stands in the table
             if (++failures == most_failures) break;
-            next.array() += (failures % 2 == 1 ? reach : -2 * reach);
+            next.array() += (failures % 2 == 1 ? step : -2 * step);
             continue;
         }
         finer.back().push_back(*run);
@@ -35,8 +35,8 @@ bool settle_rung(const StudyFile& file, const Priors& priors, Trials& trials,
         if (moved) continue;
         if (finer.back().size() > 1) break;
         const Eigen::VectorXd way = point - finer.back().front().point;
-        next = finer.back().front().point + (way.norm() > 0 ? Eigen::VectorXd(way * (reach / way.norm()))
-                                                            : Eigen::VectorXd::Constant(way.size(), reach));
+        next = finer.back().front().point + (way.norm() > 0 ? Eigen::VectorXd(way * (step / way.norm()))
+                                                            : Eigen::VectorXd::Constant(way.size(), step));
     }
     if (!finer.back().empty()) return true;
     finer.pop_back();

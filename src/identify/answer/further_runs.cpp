@@ -19,7 +19,7 @@ double measured_step(double value, double deviation) {
 
 Wanted runs_around(
     const Estimate& estimate, const std::vector<EvaluatedRun>& good, const std::vector<search::Axis>& axes) {
-    constexpr double reach = 0.12, near = 0.03; // of the logarithm of a viscosity
+    constexpr double step = 0.12, near = 0.03; // of the logarithm of a viscosity
     Wanted out;
     const auto p = std::size_t(estimate.point.size());
     if (p > 1) {
@@ -30,7 +30,7 @@ Wanted runs_around(
         return out;
     }
     for (std::size_t k = 0; k < p; ++k) {
-        for (const double side : {-reach, 0.0, reach}) {
+        for (const double side : {-step, 0.0, step}) {
             search::Point point(estimate.point.data(), estimate.point.data() + p);
             point[k] = std::clamp(point[k] + side, axes[k].lower, axes[k].upper);
             const bool there = std::ranges::any_of(good, [&](const EvaluatedRun& run) {

@@ -11,10 +11,10 @@ namespace {
 // Depth [m] of the liquid at a pixel or beside it; negative where there is none.
 double depth_near(const video::FilmDrawing& drawing, double x, double y) {
     const int column = int(std::lround(x)), row = int(std::lround(y));
-    for (int reach = 0; reach <= 2; ++reach) {
+    for (int radius = 0; radius <= 2; ++radius) {
         double nearest = -1;
-        for (int r = std::max(0, row - reach); r <= std::min(drawing.mask.height - 1, row + reach); ++r) {
-            for (int c = std::max(0, column - reach); c <= std::min(drawing.mask.width - 1, column + reach); ++c) {
+        for (int r = std::max(0, row - radius); r <= std::min(drawing.mask.height - 1, row + radius); ++r) {
+            for (int c = std::max(0, column - radius); c <= std::min(drawing.mask.width - 1, column + radius); ++c) {
                 if (drawing.mask.liquid(c, r))
                     nearest = std::max(nearest,
                         double(drawing.depth[std::size_t(r) * std::size_t(drawing.mask.width) + std::size_t(c)]));
@@ -26,24 +26,24 @@ double depth_near(const video::FilmDrawing& drawing, double x, double y) {
 }
 
 // Adds the motion of the pixel of a point in camera axes by the camera's parameters, along a normal.
-void add_camera(const scene::CameraModel& camera, const Vec3& place, const scene::Vec2& normal, double weight,
+void add_camera(const scene::CameraModel& camera, const Vec3& position, const scene::Vec2& normal, double weight,
     ViewDerivatives& out) {
-    const auto pixel = camera.project_camera(place);
+    const auto pixel = camera.project_camera(position);
     const auto& lens = camera.lens();
     out[view_focal] += weight * (normal[0] * (pixel.x - lens.cx) + normal[1] * (pixel.y - lens.cy));
-    const double step = 1e-4 * place[2]; // [m]
-    std::array<double, 3> along{};       // by a move of the point along each axis [px/m]
+    const double step = 1e-4 * position[2]; // [m]
+    std::array<double, 3> along{};          // by a move of the point along each axis [px/m]
     for (std::size_t k = 0; k < 3; ++k) {
-        auto ahead = place, behind = place;
+        auto ahead = position, behind = position;
         ahead[k] += step;
         behind[k] -= step;
         const auto a = camera.project_camera(ahead), b = camera.project_camera(behind);
         along[k] = (normal[0] * (a.x - b.x) + normal[1] * (a.y - b.y)) / (2 * step);
-        out[view_place + int(k)] += weight * along[k];
+        out[view_position + int(k)] += weight * along[k];
     }
     // A turn w of the camera's axes moves the point by w x (X - t).
     const auto& t = camera.pose().translation;
-    const Vec3 arm{place[0] - t[0], place[1] - t[1], place[2] - t[2]};
+    const Vec3 arm{position[0] - t[0], position[1] - t[1], position[2] - t[2]};
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
         out[view_turn + int(k)] += weight * (along[j] * arm[i] - along[i] * arm[j]);

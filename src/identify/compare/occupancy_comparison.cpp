@@ -25,7 +25,7 @@ void OccupancySum::add(const video::Mask& film, const video::Mask& liquid, const
     }
 }
 
-video::Mask OccupancySum::level(double share) const {
+video::Mask OccupancySum::level(double fraction) const {
     video::Mask out{width_, height_, std::vector<std::uint8_t>(numbers_.size() / fields, video::mask_background)};
     std::int64_t most = 0;
     for (std::size_t i = 0; i < out.pixels.size(); ++i) most = std::max(most, numbers_[fields * i]);
@@ -33,7 +33,7 @@ video::Mask OccupancySum::level(double share) const {
         const auto frames = numbers_[fields * i], liquid = numbers_[fields * i + 1];
         if (2 * frames < most) {
             out.pixels[i] = video::mask_excluded;
-        } else if (liquid > 0 && double(liquid) >= share * double(frames)) {
+        } else if (liquid > 0 && double(liquid) >= fraction * double(frames)) {
             out.pixels[i] = video::mask_liquid;
         }
     }

@@ -18,9 +18,9 @@ public:
         return numbers_;
     } // [pixels][3] frames that count, frames with liquid, depths [um]
 
-    // Pixels that are liquid in at least this share of the frames. Excluded are those that count in fewer than half of as many frames as
+    // Pixels that are liquid in at least this fraction of the frames. Excluded are those that count in fewer than half of as many frames as
     // the pixel that counts most.
-    video::Mask level(double share) const;
+    video::Mask level(double fraction) const;
     video::FilmDepth depth() const; // mean of a pixel's liquid [m], 1e30 where there is none
 
 private:

@@ -33,13 +33,13 @@ std::filesystem::path vector_file(const std::filesystem::path& folder, const std
 } // namespace
 
 WindowVelocity window_velocity(const Sheet& sheet, double x, double y, const SheetFlow& flow) {
-    constexpr std::array<double, 3> places{-0.7745966692414834, 0, 0.7745966692414834},
+    constexpr std::array<double, 3> nodes{-0.7745966692414834, 0, 0.7745966692414834},
         weights{5.0 / 18, 8.0 / 18, 5.0 / 18};
     WindowVelocity out;
     double covered = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
-            const auto point = sheet.point(x + 0.5 * sheet.window * places[i], y + 0.5 * sheet.window * places[j]);
+            const auto point = sheet.point(x + 0.5 * sheet.window * nodes[i], y + 0.5 * sheet.window * nodes[j]);
             std::optional<LocalVelocity> local;
             if (const auto solid = flow.solid(point)) {
                 local = LocalVelocity{*solid, {}};
@@ -73,7 +73,7 @@ SheetComparison compare_field(
     const Sheet& sheet, const ObservedField& field, const SheetFlow& before, const SheetFlow& after) {
     SheetComparison out;
     out.squares = {field.number, field.time, 0, 0};
-    const double step = after.time - before.time, share = step > 0 ? (field.time - before.time) / step : 0;
+    const double step = after.time - before.time, fraction = step > 0 ? (field.time - before.time) / step : 0;
     const auto middle = middle_of(field);
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     for (const auto& vector : field.vectors) {
@@ -93,7 +93,7 @@ SheetComparison compare_field(
             row.points = compared ? 1 : 0;
             row.displacement = none;
             if (seen) {
-                const auto blend = [&](double p, double q) { return (1 - share) * p + share * q; };
+                const auto blend = [&](double p, double q) { return (1 - fraction) * p + fraction * q; };
                 simulated[c] = blend(a.velocity[c], b.velocity[c]);
                 const std::array<double, 2> gradient{
                     blend(a.gradient[c][0], b.gradient[c][0]), blend(a.gradient[c][1], b.gradient[c][1])};

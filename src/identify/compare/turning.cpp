@@ -38,8 +38,8 @@ double deviation_of(const std::vector<double>& values) {
 }
 } // namespace
 
-double thread_place(const video::Mask& mask) {
-    constexpr double wide = 1.7, low = 0.1, high = 0.35; // thread's widths of a heap; shares of the height of fall
+double thread_column(const video::Mask& mask) {
+    constexpr double wide = 1.7, low = 0.1, high = 0.35; // thread's widths of a heap; fractions of the height of fall
     const auto rows = rows_of(mask);
     const auto has = [](const Row& row) { return row.width > 0; };
     const auto top = std::ranges::find_if(rows, has) - rows.begin();
@@ -63,10 +63,10 @@ double thread_place(const video::Mask& mask) {
     return count > 0 ? sum / count : std::nan("");
 }
 
-Turning turning_of(const std::vector<double>& times, const std::vector<double>& places) {
+Turning turning_of(const std::vector<double>& times, const std::vector<double>& positions) {
     constexpr double noise = 0.3; // of the amplitude
     std::vector<double> known;
-    for (const double one : places) {
+    for (const double one : positions) {
         if (std::isfinite(one)) known.push_back(one);
     }
     const double middle = mean_of(known), amplitude = std::sqrt(2.0) * deviation_of(known);
@@ -74,8 +74,8 @@ Turning turning_of(const std::vector<double>& times, const std::vector<double>& 
     int side = 0;
     double last_time = 0, last_way = 0, crossed = 0;
     for (std::size_t k = 0; k < times.size() && amplitude > 0; ++k) {
-        if (!std::isfinite(places[k])) continue;
-        const double way = places[k] - middle;
+        if (!std::isfinite(positions[k])) continue;
+        const double way = positions[k] - middle;
         if (k > 0 && way * last_way < 0) crossed = last_time + (times[k] - last_time) * last_way / (last_way - way);
         if (std::abs(way) > noise * amplitude) {
             const int now = way > 0 ? 1 : -1;

@@ -7,15 +7,15 @@ namespace treacle::identify {
 
 // Column [px] of a thread's middle, from the side, a little above the heap that it falls on; not a number where there is none.
 // The picture is upright; the heap begins where a row is much wider than the thread near the top.
-double thread_place(const video::Mask& mask);
+double thread_column(const video::Mask& mask);
 
 // Turning of a thread: times [s] at which it passes its middle, twice a turn.
 struct Turning {
     std::vector<double> passages; // [s] ascending
     double scatter = 0;           // relative, of the times of whole turns; 0 where there are fewer than two
 };
-// places: at these times, in any unit; those that are no number are left out. Noise about the middle is no passage.
-Turning turning_of(const std::vector<double>& times, const std::vector<double>& places);
+// positions: at these times, in any unit; those that are no number are left out. Noise about the middle is no passage.
+Turning turning_of(const std::vector<double>& times, const std::vector<double>& positions);
 
 // Frequency of a thread's turns within a window.
 struct TurningRate {

@@ -9,7 +9,7 @@ namespace treacle::identify {
 
 namespace {
 constexpr double support = 2.2; // radius in spacings: 44 particles in 3D, 15 in 2D
-constexpr double surface_share =
+constexpr double surface_fraction =
     0.4; // of the particles around a point in the bulk; at a flat surface there are half of them
 } // namespace
 
@@ -18,7 +18,7 @@ VelocitySampler::VelocitySampler(
     : positions_(positions), velocities_(velocities), radius_(support * spacing), dimensions_(dimensions) {
     const double bulk =
         dimensions == 2 ? std::numbers::pi * support * support : 4 * std::numbers::pi / 3 * support * support * support;
-    fewest_ = surface_share * bulk;
+    fewest_ = surface_fraction * bulk;
     for (std::size_t i = 0; 3 * i < positions.size(); ++i) cells_[cell_of(positions.data() + 3 * i)].push_back(i);
 }
 

@@ -28,7 +28,7 @@ Matrix noise_as_of_fit(const Matrix& covariance, const Matrix& noise) {
 
 std::vector<search::Point> points_to_span(
     const Vector& answer, const std::vector<Vector>& points, const std::vector<search::Axis>& axes) {
-    constexpr double at_answer = 0.02, reach = 0.15, far = 0.5; // of the logarithm of a viscosity
+    constexpr double at_answer = 0.02, step = 0.15, far = 0.5; // of the logarithm of a viscosity
     const auto p = answer.size();
     std::vector<search::Point> out;
     const auto add = [&](const Vector& point) { out.emplace_back(point.data(), point.data() + p); };
@@ -42,8 +42,8 @@ std::vector<search::Point> points_to_span(
         if (way.norm() < far) told += way * way.transpose();
     }
     const Eigen::SelfAdjointEigenSolver<Matrix> principal(told);
-    for (Eigen::Index k = 0; k < p && principal.eigenvalues()[k] < 0.25 * reach * reach; ++k) {
-        Vector way = reach * principal.eigenvectors().col(k);
+    for (Eigen::Index k = 0; k < p && principal.eigenvalues()[k] < 0.25 * step * step; ++k) {
+        Vector way = step * principal.eigenvectors().col(k);
         if (way.sum() < 0) way = -way; // a direction has no sign
         const Vector there = within(middle + way, axes), back = within(middle - way, axes);
         add((there - middle).norm() >= (back - middle).norm() ? there : back);

@@ -7,9 +7,9 @@
 namespace treacle::identify {
 
 namespace {
-// Distances over which the local model may be fitted, of the logarithm of a viscosity: runs at `reach` count half. With several parameters
+// Distances over which the local model may be fitted, of the logarithm of a viscosity: runs at `cutoff` count half. With several parameters
 // the model is linear, and less far.
-constexpr double reach = 0.3, farthest = 0.7;
+constexpr double cutoff = 0.3, farthest = 0.7;
 
 // Runs that the model is fitted to: all that are not far from the centre, and the nearest ones where these are too few. A model
 // through the nearest alone, where a search has closed in, has the derivatives of the runs' numerical noise.
@@ -20,7 +20,7 @@ std::vector<const EvaluatedRun*> runs_near(const std::vector<EvaluatedRun>& runs
     std::ranges::stable_sort(order, {}, &std::pair<double, const EvaluatedRun*>::first);
     std::vector<const EvaluatedRun*> out;
     for (const auto& [distance, run] : order) {
-        if (distance <= (p == 1 ? farthest : reach) || out.size() < wanted) out.push_back(run);
+        if (distance <= (p == 1 ? farthest : cutoff) || out.size() < wanted) out.push_back(run);
     }
     if (out.size() < p + 1) {
         throw InputError({"identify", "has " + std::to_string(out.size()) + " good runs",
@@ -41,7 +41,7 @@ LocalModel local_model(const std::vector<EvaluatedRun>& runs, const Layout& layo
     for (std::size_t k = 0; k < out.runs; ++k) {
         const auto i = Eigen::Index(k);
         const Vector d = near[k]->point - centre;
-        const double weight = 1 / (1 + d.squaredNorm() / (reach * reach));
+        const double weight = 1 / (1 + d.squaredNorm() / (cutoff * cutoff));
         basis(i, 0) = weight;
         basis.row(i).segment(1, p) = weight * d.transpose();
         if (quadratic) basis(i, p + 1) = weight * 0.5 * d[0] * d[0];

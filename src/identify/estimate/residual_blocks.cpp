@@ -42,8 +42,8 @@ int correlation_frames(
     for (int lag = 1; lag < 200; ++lag) {
         double product = 0, square = 0;
         for (const auto& [key, sums] : series) {
-            for (const auto& [place, sum] : sums) {
-                const auto other = sums.find(place + lag);
+            for (const auto& [position, sum] : sums) {
+                const auto other = sums.find(position + lag);
                 if (other == sums.end()) continue;
                 const double a = sum.first / sum.second, b = other->second.first / other->second.second;
                 product += a * b;
@@ -99,18 +99,18 @@ Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
     const auto& [fit, g, blocks] = blocked;
     const int count = *std::ranges::max_element(blocks) + 1;
     const auto n = g.cols();
-    std::vector<Matrix> shares(std::size_t(count), Matrix::Zero(n, n));
+    std::vector<Matrix> blocks(std::size_t(count), Matrix::Zero(n, n));
     Matrix scores = Matrix::Zero(count, n);
     for (Eigen::Index i = 0; i < g.rows(); ++i) {
         const auto b = std::size_t(blocks[std::size_t(i)]);
-        shares[b] += fit.weights[i] * g.row(i).transpose() * g.row(i);
+        blocks[b] += fit.weights[i] * g.row(i).transpose() * g.row(i);
         scores.row(Eigen::Index(b)) += fit.weights[i] * fit.left[i] * g.row(i);
     }
     Matrix whole = information;
-    for (const auto& share : shares) whole += share;
+    for (const auto& block : blocks) whole += block;
     Matrix out(count, n);
     for (int b = 0; b < count; ++b)
-        out.row(b) = (whole - shares[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
+        out.row(b) = (whole - blocks[std::size_t(b)]).ldlt().solve(scores.row(b).transpose()).transpose();
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 

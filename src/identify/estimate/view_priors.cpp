@@ -37,7 +37,7 @@ ViewInformation information_of(const ViewUncertainty& uncertainty,
     } else {
         for (int k = 0; k < 3; ++k) {
             out(view_turn + k, view_turn + k) = information(uncertainty.turn);
-            out(view_place + k, view_place + k) = information(uncertainty.place);
+            out(view_position + k, view_position + k) = information(uncertainty.position);
         }
     }
     return out;

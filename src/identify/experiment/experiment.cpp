@@ -12,7 +12,7 @@ void ViewUncertainty::declare(Declaration& d) {
     d.number("focal", focal, unit::none, range_at_least(0),
         "Relative, of the focal length, where the camera's file has no covariance.");
     d.number("turn", turn, unit::angle, range_at_least(0), "Of the camera about each of its axes, likewise.");
-    d.number("place", place, unit::length, range_at_least(0), "Of the camera along each of its axes, likewise.");
+    d.number("place", position, unit::length, range_at_least(0), "Of the camera along each of its axes, likewise.");
     d.number("readout", readout, unit::time, range_at_least(0), "Of the experiment's readout; 0: it is known.");
     d.number("scale", scale, unit::none, range_at_least(0),
         "Relative, of the lengths in a sheet of PIV, and with them of its velocities; of the values of a series.");
@@ -21,7 +21,7 @@ void ViewUncertainty::declare(Declaration& d) {
 }
 
 void Experiment::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name in reports; by default that of the masks' folder, or piv or series.");
     d.text("scene", scene, "Name of the scene that simulates it; by default the first.");
     d.text("masks", masks,

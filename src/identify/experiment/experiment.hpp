@@ -21,7 +21,7 @@ struct ViewUncertainty {
     double contour = 0.3;    // [px] that all contours of a film may lie too far out or in: threshold, blur, iso value
     double focal = 1e-3;     // relative; without the covariance of a camera file
     double turn = 1e-3;      // [rad] of the camera about each axis, likewise
-    double place = 1e-3;     // [m] of the camera along each axis, likewise
+    double position = 1e-3;  // [m] of the camera along each axis, likewise
     double readout = 0;      // [s] of the rolling shutter's readout; 0: it is known
     double scale = 2e-3;     // relative, of a sheet of PIV or the instrument of a series
     double shift = 2e-4;     // [m] of a sheet of PIV along each of its axes; its turn in its plane is `turn`

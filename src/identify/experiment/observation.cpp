@@ -20,10 +20,10 @@ std::filesystem::path table_of(const std::filesystem::path& folder, const std::s
 
 // A point beside excluded pixels lies on their border, not on the liquid's.
 bool near_excluded(const video::Mask& mask, const video::ContourPoint& point) {
-    constexpr int reach = 4; // [px] of the blur
+    constexpr int radius = 4; // [px] of the blur
     const int x = int(std::lround(point.pixel[0])), y = int(std::lround(point.pixel[1]));
-    for (int row = std::max(0, y - reach); row <= std::min(mask.height - 1, y + reach); ++row) {
-        for (int column = std::max(0, x - reach); column <= std::min(mask.width - 1, x + reach); ++column) {
+    for (int row = std::max(0, y - radius); row <= std::min(mask.height - 1, y + radius); ++row) {
+        for (int column = std::max(0, x - radius); column <= std::min(mask.width - 1, x + radius); ++column) {
             if (mask.at(column, row) == video::mask_excluded) return true;
         }
     }

@@ -5,7 +5,7 @@
 namespace treacle::identify {
 
 void Series::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("file", file,
         "CSV with columns time, value and plus_minus, each with its unit in brackets; plus_minus is a standard "
         "deviation.");

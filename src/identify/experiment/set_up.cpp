@@ -5,7 +5,7 @@
 namespace treacle::identify {
 
 void SetUp::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name in the table, and of its folder.");
     d.required("name");
     d.text("like", like, "Experiment whose scene, camera, times and uncertainties it takes; by default the first.");

@@ -31,7 +31,7 @@ void Ball::declare(Declaration& d) {
 }
 
 void Sheet::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.texts("files", files,
         "Names or patterns of the fields' files, in their order: [\"fields/*.txt\"]. OpenPIV, TSI Insight, LaVision "
         "DaVis, PIVlab "

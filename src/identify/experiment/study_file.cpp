@@ -48,12 +48,12 @@ void StudyFile::declare(Declaration& d) {
     }
 }
 
-double move_along(const study::Parameter& parameter, double share, double& value) {
+double move_along(const study::Parameter& parameter, double fraction, double& value) {
     const bool log = parameter.scale == study::Scale::log;
     const auto coordinate = [&](double one) { return log ? std::log(one) : one; };
     const double x = coordinate(value), upper = coordinate(parameter.upper),
-                 step = share * (upper - coordinate(parameter.lower)) *
-                        (x + share * (upper - coordinate(parameter.lower)) <= upper ? 1 : -1);
+                 step = fraction * (upper - coordinate(parameter.lower)) *
+                        (x + fraction * (upper - coordinate(parameter.lower)) <= upper ? 1 : -1);
     value = log ? std::exp(x + step) : x + step;
     return step;
 }

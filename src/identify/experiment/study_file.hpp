@@ -35,9 +35,9 @@ private:
     void add_measured_and_rungs(Declaration& d);
 };
 
-// Moves a value of a searched parameter by a share of its range, to where there is room; how far its coordinate (the logarithm of a
+// Moves a value of a searched parameter by a fraction of its range, to where there is room; how far its coordinate (the logarithm of a
 // viscosity) went.
-double move_along(const study::Parameter& parameter, double share, double& value);
+double move_along(const study::Parameter& parameter, double fraction, double& value);
 
 // Throws InputError with all that is wrong in the file itself.
 StudyFile load_study_file(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});

@@ -18,8 +18,8 @@ enum ViewParameter {
     view_contour,
     view_focal,
     view_turn,
-    view_place = view_turn + 3,
-    view_readout = view_place + 3,
+    view_position = view_turn + 3,
+    view_readout = view_position + 3,
     view_count
 };
 // A sheet of PIV: time zero, relative scale, shifts and turn in its plane. The first is the time of every kind.

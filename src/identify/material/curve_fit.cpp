@@ -11,7 +11,7 @@
 namespace treacle::identify {
 
 namespace {
-constexpr double least_exponent = 0.02, most_exponent = 1.5, most_share = 0.999;
+constexpr double least_exponent = 0.02, most_exponent = 1.5, yield_fraction_limit = 0.999;
 constexpr double beyond = 1.5;    // factor by which points may lie outside of the flow's rates
 constexpr std::size_t enough = 4; // points: one more than the law's parameters
 
@@ -35,9 +35,9 @@ Points points_within(const ViscositiesByRate& curve, double from, double to) {
     return out;
 }
 
-// ln eta = level + ln(share / x + (1 - share) x^(n - 1)), x the rate over that in the middle; share is the yield stress's of the stress there.
+// ln eta = level + ln(f / x + (1 - f) x^(n - 1)), x the rate over that in the middle; f, yield_fraction, is the yield stress's of the stress there.
 struct Law {
-    double level = 0, share = 0, exponent = 1;
+    double level = 0, yield_fraction = 0, exponent = 1;
 };
 
 class CurveSquares {
@@ -67,7 +67,7 @@ public:
         b.assign(3, 0.0);
         for (std::size_t i = 0; i < size(); ++i) {
             const double x = points_.log_rate[i] - middle_, power = std::exp((law.exponent - 1) * x), s = shape(law, i);
-            const std::array<double, 3> slope{1, (std::exp(-x) - power) / s, (1 - law.share) * power * x / s};
+            const std::array<double, 3> slope{1, (std::exp(-x) - power) / s, (1 - law.yield_fraction) * power * x / s};
             for (std::size_t j = 0; j < 3; ++j) {
                 b[j] += points_.weight[i] * slope[j] * residual(law, i);
                 for (std::size_t k = 0; k < 3; ++k) a(j, k) += points_.weight[i] * slope[j] * slope[k];
@@ -78,7 +78,7 @@ public:
 private:
     double shape(const Law& law, std::size_t i) const {
         const double x = points_.log_rate[i] - middle_;
-        return law.share * std::exp(-x) + (1 - law.share) * std::exp((law.exponent - 1) * x);
+        return law.yield_fraction * std::exp(-x) + (1 - law.yield_fraction) * std::exp((law.exponent - 1) * x);
     }
 
     Points points_;
@@ -86,7 +86,7 @@ private:
 };
 
 // Gauss-Newton within a trust radius.
-Law descend(const CurveSquares& squares, Law law, double largest_share) {
+Law descend(const CurveSquares& squares, Law law, double max_yield_fraction) {
     constexpr int rounds = 200;
     constexpr double smallest = 1e-12;
     constexpr double far = std::numeric_limits<double>::max();
@@ -96,9 +96,9 @@ Law descend(const CurveSquares& squares, Law law, double largest_share) {
     for (int round = 0; round < rounds && radius > smallest; ++round) {
         squares.linearise(law, a, b);
         const auto move = search::bounded_move(a, b,
-            {{-far, -law.share, least_exponent - law.exponent},
-                {far, largest_share - law.share, most_exponent - law.exponent}, radius});
-        const Law next{law.level + move[0], law.share + move[1], law.exponent + move[2]};
+            {{-far, -law.yield_fraction, least_exponent - law.exponent},
+                {far, max_yield_fraction - law.yield_fraction, most_exponent - law.exponent}, radius});
+        const Law next{law.level + move[0], law.yield_fraction + move[1], law.exponent + move[2]};
         const double there = squares.sum(next);
         if (!(there < sum)) {
             radius /= 4;
@@ -124,21 +124,21 @@ CurveFit fit_flow_curve(const ViscositiesByRate& curve, double from, double to) 
     out.from = std::exp(points.log_rate.front());
     out.to = std::exp(points.log_rate.back());
     const CurveSquares squares(std::move(points));
-    // From several places, since a yield stress and a small exponent have the same effect over a short range.
-    const double largest_share = out.points < enough ? 0 : most_share;
+    // From several points, since a yield stress and a small exponent have the same effect over a short range.
+    const double max_yield_fraction = out.points < enough ? 0 : yield_fraction_limit;
     Law best;
     double least = std::numeric_limits<double>::infinity();
     for (const double exponent : {0.3, 0.7, 1.0}) {
-        for (const double share : {0.0, 0.3, 0.7}) {
-            const auto law =
-                descend(squares, squares.levelled({0, std::min(share, largest_share), exponent}), largest_share);
+        for (const double yield_fraction : {0.0, 0.3, 0.7}) {
+            const auto law = descend(squares,
+                squares.levelled({0, std::min(yield_fraction, max_yield_fraction), exponent}), max_yield_fraction);
             if (squares.sum(law) < least) best = law, least = squares.sum(law);
         }
     }
     const double rate = std::exp(squares.middle()), viscosity = std::exp(best.level);
     out.exponent = best.exponent;
-    out.consistency = (1 - best.share) * viscosity * std::pow(rate, 1 - best.exponent);
-    out.yield_stress = best.share * viscosity * rate;
+    out.consistency = (1 - best.yield_fraction) * viscosity * std::pow(rate, 1 - best.exponent);
+    out.yield_stress = best.yield_fraction * viscosity * rate;
     out.rms = std::sqrt(least);
     return out;
 }

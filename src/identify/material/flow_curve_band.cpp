@@ -48,8 +48,8 @@ std::optional<double> ViscositiesByRate::at(double rate) const {
         std::ranges::upper_bound(rates, rate) - rates.begin(), std::ptrdiff_t(rates.size()) - 1);
     if (after == 0) return viscosities.front();
     const auto b = std::size_t(after), a = b - 1;
-    const double share = std::log(rate / rates[a]) / std::log(rates[b] / rates[a]);
-    return std::exp((1 - share) * std::log(viscosities[a]) + share * std::log(viscosities[b]));
+    const double fraction = std::log(rate / rates[a]) / std::log(rates[b] / rates[a]);
+    return std::exp((1 - fraction) * std::log(viscosities[a]) + fraction * std::log(viscosities[b]));
 }
 
 ViscositiesByRate read_flow_curve(const std::filesystem::path& path) {

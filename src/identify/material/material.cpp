@@ -16,7 +16,7 @@ struct Materials {
 } // namespace
 
 void Material::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Of the liquid in the study's scenes.");
     d.required("name");
     d.number("density", density, unit::density, range_above(0), "Mass per volume.");

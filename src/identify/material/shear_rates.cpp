@@ -17,7 +17,7 @@ constexpr double least_decade = -5, per_decade = 10;
 double edge(double bin) { return std::pow(10.0, least_decade + bin / per_decade); } // [1/s] lower
 
 std::filesystem::path frame_file(const std::filesystem::path& folder) { return folder / "shear_rates_by_frame.csv"; }
-std::string quantile_name(double share) { return "below " + format_number(100 * share) + " %"; }
+std::string quantile_name(double level) { return "below " + format_number(100 * level) + " %"; }
 
 std::filesystem::path file_of(const std::filesystem::path& folder) { return folder / "shear_rates.csv"; }
 } // namespace
@@ -34,8 +34,8 @@ void ShearRates::add(const std::array<double, bins>& weights) {
 
 bool ShearRates::empty() const { return std::accumulate(weights_.begin(), weights_.end(), 0.0) == 0; }
 
-double ShearRates::quantile(double share) const {
-    const double wanted = share * std::accumulate(weights_.begin(), weights_.end(), 0.0);
+double ShearRates::quantile(double level) const {
+    const double wanted = level * std::accumulate(weights_.begin(), weights_.end(), 0.0);
     double below = 0;
     for (std::size_t i = 0; i < bins; ++i) {
         if (weights_[i] > 0 && below + weights_[i] >= wanted) return edge(double(i) + (wanted - below) / weights_[i]);
@@ -56,13 +56,13 @@ double ShearRates::mean() const {
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates) {
     FrameShearRates out{time, {}, rates.mean()};
     for (std::size_t i = 0; i < out.quantiles.size(); ++i)
-        out.quantiles[i] = rates.quantile(FrameShearRates::shares[i]);
+        out.quantiles[i] = rates.quantile(FrameShearRates::quantile_levels[i]);
     return out;
 }
 
 void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames) {
     std::vector<std::string> names{"time [s]"};
-    for (const double share : FrameShearRates::shares) names.push_back(quantile_name(share) + " [1/s]");
+    for (const double level : FrameShearRates::quantile_levels) names.push_back(quantile_name(level) + " [1/s]");
     names.push_back("mean [1/s]");
     auto table = CsvTable::create(frame_file(folder), names);
     for (const auto& frame : frames) {
@@ -81,7 +81,7 @@ std::vector<FrameShearRates> read_frame_shear_rates(const std::filesystem::path&
     for (std::size_t i = 0; i < table.rows(); ++i) {
         FrameShearRates frame{table.column("time")[i], {}, table.column("mean")[i]};
         for (std::size_t k = 0; k < frame.quantiles.size(); ++k)
-            frame.quantiles[k] = table.column(quantile_name(FrameShearRates::shares[k]))[i];
+            frame.quantiles[k] = table.column(quantile_name(FrameShearRates::quantile_levels[k]))[i];
         out.push_back(frame);
     }
     return out;

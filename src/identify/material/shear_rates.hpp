@@ -16,8 +16,8 @@ public:
     void add(double rate, double weight);
     void add(const std::array<double, bins>& weights);
     bool empty() const;
-    // The rate below which this share of the dissipation happened [1/s]; 0 when empty.
-    double quantile(double share) const;
+    // The rate below which this fraction of the dissipation happened [1/s]; 0 when empty.
+    double quantile(double level) const;
     // Mean weighted by dissipation [1/s]; 0 when empty.
     double mean() const;
     const std::array<double, bins>& weights() const { return weights_; }
@@ -26,12 +26,12 @@ private:
     std::array<double, bins> weights_{};
 };
 
-// Shear rates of a frame of a run: those below which these shares of the dissipation lie, and their mean [1/s].
+// Shear rates of a frame of a run: those below which these fractions of the dissipation lie, and their mean [1/s].
 struct FrameShearRates {
-    static constexpr std::array<double, 5> shares{0.05, 0.25, 0.5, 0.75, 0.95}; // of the dissipation, 0 to 1
-    double time = 0;                                                            // [s]
-    std::array<double, 5> quantiles{};                                          // [1/s] one for each of `shares`
-    double mean = 0;                                                            // [1/s] weighted by dissipation
+    static constexpr std::array<double, 5> quantile_levels{0.05, 0.25, 0.5, 0.75, 0.95}; // of the dissipation, 0 to 1
+    double time = 0;                                                                     // [s]
+    std::array<double, 5> quantiles{}; // [1/s] one for each of `quantile_levels`
+    double mean = 0;                   // [1/s] weighted by dissipation
 };
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates);
 

@@ -32,7 +32,7 @@ bool only(const StudyFile& file, ExperimentKind kind) {
     return std::ranges::all_of(file.experiments, [&](const auto& one) { return one.kind == kind; });
 }
 
-std::string percent(double share) { return digits(100 * share, 2) + " %"; }
+std::string percent(double fraction) { return digits(100 * fraction, 2) + " %"; }
 
 std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
     std::string out = "<tr>";
@@ -41,7 +41,7 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
 }
 
 // The parts of a variance by their names, the sum last.
-std::vector<std::pair<std::string, double>> shares(const VarianceParts& parts, const StudyFile& file) {
+std::vector<std::pair<std::string, double>> variance_fractions(const VarianceParts& parts, const StudyFile& file) {
     const auto any = [&](ExperimentKind kind) {
         return std::ranges::any_of(file.experiments, [&](const auto& one) { return one.kind == kind; });
     };
@@ -153,9 +153,9 @@ std::string rates_text(const StudyFile& file, const Identification& identificati
         chart.title = "Shear rates: " + file.study.scenes[i].name;
         chart.x.label = "time [s]";
         chart.y = {"shear rate [1/s]", study::AxisScale::log};
-        for (std::size_t k = 0; k < FrameShearRates::shares.size(); ++k) {
+        for (std::size_t k = 0; k < FrameShearRates::quantile_levels.size(); ++k) {
             auto& line = chart.series.emplace_back();
-            line.name = percent(FrameShearRates::shares[k]);
+            line.name = percent(FrameShearRates::quantile_levels[k]);
             line.line = true;
             for (const auto& frame : frames) {
                 line.x.push_back(frame.time);
@@ -239,11 +239,11 @@ std::string html(const StudyFile& file, const Identification& identification, co
         const auto& estimate = *identification.estimate;
         out += "<h2>Where the interval comes from</h2>\n<table>";
         std::vector<std::string> head{"parameter"};
-        for (const auto& [name, part] : shares(estimate.parts.front(), file)) head.push_back(name);
+        for (const auto& [name, part] : variance_fractions(estimate.parts.front(), file)) head.push_back(name);
         out += row(head, "th");
         for (std::size_t k = 0; k < estimate.parts.size(); ++k) {
             std::vector<std::string> cells{file.study.parameters[k].name};
-            for (const auto& [name, part] : shares(estimate.parts[k], file))
+            for (const auto& [name, part] : variance_fractions(estimate.parts[k], file))
                 cells.push_back("&plusmn; " + percent(std::sqrt(part)));
             out += row(cells);
         }
@@ -282,7 +282,7 @@ std::string yaml(const StudyFile& file, const Identification& identification) {
                identifiability(file, identification, k) + "\"\n    interval_90: [" +
                parameter.word(identification.low[k]) + ", " + parameter.word(identification.high[k]) +
                "]\n    deviations:\n";
-        for (const auto& [name, part] : shares(parts, file))
+        for (const auto& [name, part] : variance_fractions(parts, file))
             out += "      " + name + ": " + format_number(std::sqrt(part)) + "\n";
         out += "    if_pixels_were_independent: " + format_number(identification.estimate->naive[k]) + "\n";
     }

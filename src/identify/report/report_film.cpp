@@ -93,13 +93,13 @@ public:
         std::snprintf(text, sizeof text, "%.3f s", time);
         video::draw_words(image_, text, left + gap, label_height - gap, capitals, ink);
         int row = 0;
-        for (const auto& one : pictures) place(scaled(one, crop_, cell_width, height_), left, top(row++));
+        for (const auto& one : pictures) draw_cell(scaled(one, crop_, cell_width, height_), left, top(row++));
     }
     const video::Image& image() const { return image_; }
 
 private:
     int top(int row) const { return label_height + row * (label_height + height_) + label_height; }
-    void place(const video::Image& cell, int left, int top) {
+    void draw_cell(const video::Image& cell, int left, int top) {
         for (int y = 0; y < cell.height; ++y)
             std::copy_n(cell.at(0, y), 3 * cell.width,
                 image_.pixels.begin() + 3 * (std::ptrdiff_t(top + y) * image_.width + left));

@@ -21,11 +21,11 @@ template <class T>
 std::uint64_t checksum(std::span<const T> values, std::int64_t first) {
     static_assert(sizeof(T) == sizeof(std::uint64_t));
     std::uint64_t sum = 0;
-    auto place = static_cast<std::uint64_t>(first);
+    auto index = static_cast<std::uint64_t>(first);
     for (const T& value : values) {
         std::uint64_t word;
         std::memcpy(&word, &value, sizeof word);
-        word ^= ++place * 0x9e3779b97f4a7c15ULL;
+        word ^= ++index * 0x9e3779b97f4a7c15ULL;
         word = (word ^ (word >> 30)) * 0xbf58476d1ce4e5b9ULL;
         word = (word ^ (word >> 27)) * 0x94d049bb133111ebULL;
         sum += word ^ (word >> 31);

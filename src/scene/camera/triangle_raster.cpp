@@ -69,7 +69,7 @@ bool TriangleRaster::is_simple(const Piece& piece) const {
 }
 
 TriangleRaster::Corner TriangleRaster::middle(const Corner& a, const Corner& b) const {
-    return {projection_.middle(a.seen, b.seen), 0.5 * (a.share + b.share)};
+    return {projection_.middle(a.seen, b.seen), 0.5 * (a.barycentric + b.barycentric)};
 }
 
 // The polygon that is left of a triangle in the half-spaces; edges are cut from the end that stays, whichever comes first.
@@ -86,10 +86,10 @@ void TriangleRaster::cut(const Piece& piece) {
             const Corner &in = from_a <= 0 ? a : b, &out = from_a <= 0 ? b : a;
             const double d_in = from_a <= 0 ? from_a : from_b, d_out = from_a <= 0 ? from_b : from_a;
             const double t = d_in / (d_in - d_out);
-            auto place = in.seen.camera + t * (out.seen.camera - in.seen.camera);
+            auto point = in.seen.camera + t * (out.seen.camera - in.seen.camera);
             // Rounding must not bring it before the near plane, where it has no pixel.
-            place[2] = std::max(place[2], std::min(Projection::near, in.seen.camera[2]));
-            kept.push_back({projection_.at(place), in.share + t * (out.share - in.share)});
+            point[2] = std::max(point[2], std::min(Projection::near, in.seen.camera[2]));
+            kept.push_back({projection_.at(point), in.barycentric + t * (out.barycentric - in.barycentric)});
         }
         polygon = kept;
     }

@@ -52,7 +52,7 @@ struct HalfSpace {
 struct RasterSample {
     std::int64_t column, row; // of samples
     double depth;             // [m] along the camera's axis
-    Vec3 share;               // of the triangle's corners in the point that is seen there; their sum is 1
+    Vec3 barycentric;         // of the triangle's corners in the point that is seen there; their sum is 1
     bool front;               // seen from the side on which the corners go counter-clockwise
 };
 
@@ -84,7 +84,7 @@ public:
 private:
     struct Corner {
         Seen seen;
-        Vec3 share;
+        Vec3 barycentric;
     };
     struct Piece {
         Corner corner[3];
@@ -150,7 +150,7 @@ private:
                     RasterSample sample{column, row, 1 / sum, {0, 0, 0}, front};
                     for (int k = 0; k < 3; ++k) {
                         for (std::size_t c = 0; c < 3; ++c)
-                            sample.share[c] += weight[k] / (double(area) * sum) * corner[k]->share[c];
+                            sample.barycentric[c] += weight[k] / (double(area) * sum) * corner[k]->barycentric[c];
                     }
                     visit(sample);
                 }

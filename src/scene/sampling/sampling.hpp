@@ -70,7 +70,7 @@ struct Overlap {
     std::uint64_t total = 0; // lattice points of the liquid
     Vec3 example{0, 0, 0};   // [m] one of them, when count > 0
     // In [0, 1]; 0 without liquid.
-    double share() const { return total > 0 ? static_cast<double>(count) / static_cast<double>(total) : 0; }
+    double fraction() const { return total > 0 ? static_cast<double>(count) / static_cast<double>(total) : 0; }
 };
 
 // Lattice points of the liquid inside a solid, by more than 1e-6 d.
@@ -81,7 +81,7 @@ Overlap find_overlap(const Regions& liquid, const Regions& solids, const Lattice
 Overlap find_outside(const Regions& liquid, const Lattice& lattice);
 
 // Share of the domain that the solids take, to about 1 %.
-double solid_share(const Regions& solids, const Lattice& lattice);
+double solid_fraction(const Regions& solids, const Lattice& lattice);
 
 // ---- surfaces of solids ----
 

@@ -369,7 +369,7 @@ Overlap find_outside(const Regions& liquid, const Lattice& lattice) {
     return result;
 }
 
-double solid_share(const Regions& solids, const Lattice& lattice) {
+double solid_fraction(const Regions& solids, const Lattice& lattice) {
     const IndexBox box = whole(lattice);
     std::uint64_t solid = 0;
     const auto decide = [&](const Vec3& x, double radius) -> Decision {

@@ -103,7 +103,7 @@ double into_domain(const Lattice& lattice, int axis, double x) {
 }
 
 // Range of a line that belongs to the part of space: [begin, end).
-std::array<std::int64_t, 2> share_of(const WallSampling& s, const Line& line, int axis) {
+std::array<std::int64_t, 2> index_range(const WallSampling& s, const Line& line, int axis) {
     if (axis < 0) return {0, 1};
     const auto first_at_or_above = [&](double bound) {
         std::int64_t low = 0, high = line.size();
@@ -135,7 +135,7 @@ void add_wall(const WallSampling& s, const Wall& wall, WallSamples& result) {
     const int normal = axis_of(wall.side);
     const double level = into_domain(s.lattice, normal, wall.level);
     if (level < s.part.min[normal] || level >= s.part.max[normal]) return;
-    const auto u = share_of(s, wall.lines[0], wall.axes[0]), v = share_of(s, wall.lines[1], wall.axes[1]);
+    const auto u = index_range(s, wall.lines[0], wall.axes[0]), v = index_range(s, wall.lines[1], wall.axes[1]);
     for (auto j = v[0]; j < v[1]; ++j)
         for (auto i = u[0]; i < u[1]; ++i) {
             Vec3 x{0, 0, 0};

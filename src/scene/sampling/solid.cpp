@@ -1,7 +1,7 @@
 #include "scene/sampling/solid.hpp"
 
 #include "base/text/error.hpp"
-#include "scene/shapes/placement.hpp"
+#include "scene/shapes/shape_pose.hpp"
 #include "scene/shapes/vector_math.hpp"
 
 #include <algorithm>
@@ -70,7 +70,7 @@ SurfacePointer cut_of(const SurfacePointer& body) {
     return make_cross_section(pieces, [body](const Vec3& x) { return body->nearest(x).distance < 0; });
 }
 
-SurfacePointer box_of(const Shape& shape, int dimensions, const Placement& placement) {
+SurfacePointer box_of(const Shape& shape, int dimensions, const ShapePose& outer_pose) {
     require_finite(shape, "min", shape.min);
     require_finite(shape, "max", shape.max);
     for (int a = 0; a < dimensions; ++a)
@@ -80,13 +80,13 @@ SurfacePointer box_of(const Shape& shape, int dimensions, const Placement& place
                     " m along " + "xyz"[a],
                 "a box has an extent along each axis", "exchange or correct the two corners");
     BoxPose pose;
-    pose.min = shape.min + shape.translation + placement.shift;
-    pose.max = shape.max + shape.translation + placement.shift;
+    pose.min = shape.min + shape.translation + outer_pose.shift;
+    pose.max = shape.max + shape.translation + outer_pose.shift;
     if (dimensions == 2 && !(pose.max[2] > pose.min[2])) pose.min[2] = -1, pose.max[2] = 1; // z plays no role
     pose.half = 0.5 * (pose.max - pose.min);
-    pose.centre = placement.at(0.5 * (shape.min + shape.max) + shape.translation);
-    pose.turned = placement.turned || shape.rotation_angle != 0;
-    for (Vec3& axis : pose.axes) axis = placement.turn(turned(shape, axis));
+    pose.centre = outer_pose.at(0.5 * (shape.min + shape.max) + shape.translation);
+    pose.turned = outer_pose.turned || shape.rotation_angle != 0;
+    for (Vec3& axis : pose.axes) axis = outer_pose.turn(turned(shape, axis));
     constexpr double straight = 1e-12; // of a unit vector, after rotations
     const bool about_z = std::hypot(pose.axes[2][0], pose.axes[2][1]) < straight;
     if (dimensions == 2 && pose.turned && !about_z) return cut_of(make_box(pose, 3));
@@ -116,7 +116,7 @@ SurfacePointer ring_of(const SurfaceOfRevolution& body) {
     return make_ring(body.centre, inner, outer);
 }
 
-SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& placement) {
+SurfacePointer round_of(const Shape& shape, int dimensions, const ShapePose& outer_pose) {
     require_finite(shape, "centre", shape.centre);
     require_positive(shape, "radius", shape.radius);
     SurfaceOfRevolution body;
@@ -127,7 +127,7 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& pla
     case ShapeKind::torus: body.profile = Profile::torus; break;
     default: body.profile = Profile::sphere;
     }
-    body.centre = placement.at(shape.centre + shape.translation);
+    body.centre = outer_pose.at(shape.centre + shape.translation);
     body.radius = shape.radius;
     if (body.profile == Profile::torus) {
         require_positive(shape, "tube_radius", shape.tube_radius);
@@ -143,7 +143,7 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& pla
     }
     if (body.profile != Profile::sphere) {
         require_direction(shape, "axis", shape.axis);
-        body.axis = unit(placement.turn(turned(shape, unit(shape.axis))));
+        body.axis = unit(outer_pose.turn(turned(shape, unit(shape.axis))));
     }
     if (dimensions == 3) return make_revolved(body);
     constexpr double straight = 1e-12; // of a unit vector, after rotations
@@ -155,11 +155,11 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const Placement& pla
     return cut_of(make_revolved(body));
 }
 
-SurfacePointer plane_of(const Shape& shape, int dimensions, const Placement& placement) {
+SurfacePointer plane_of(const Shape& shape, int dimensions, const ShapePose& outer_pose) {
     require_finite(shape, "centre", shape.centre);
     require_direction(shape, "axis", shape.axis);
-    const Vec3 point = placement.at(shape.centre + shape.translation);
-    const Vec3 normal = unit(placement.turn(turned(shape, unit(shape.axis))));
+    const Vec3 point = outer_pose.at(shape.centre + shape.translation);
+    const Vec3 normal = unit(outer_pose.turn(turned(shape, unit(shape.axis))));
     if (dimensions == 3) return make_plane(point, normal, 3);
     const Vec3 flat{normal[0], normal[1], 0};
     const double l = length(flat);
@@ -169,21 +169,21 @@ SurfacePointer plane_of(const Shape& shape, int dimensions, const Placement& pla
     return make_plane(base + (point[2] * normal[2] / (l * l)) * flat, (1 / l) * flat, 2);
 }
 
-void place_mesh(CheckedMesh& checked, const Shape& shape, const Placement& placement) {
+void pose_mesh(CheckedMesh& checked, const Shape& shape, const ShapePose& outer_pose) {
     const Bounds& box = checked.report.bounds;
     const Vec3 extent = box.max - box.min, middle = 0.5 * (box.min + box.max);
     const double longest = std::max({extent[0], extent[1], extent[2]});
     const double factor = shape.size > 0 ? shape.size / longest : shape.scale;
     const Vec3 centre = shape.size > 0 ? Vec3{0, 0, 0} : factor * middle;
-    Bounds placed = Bounds::nothing();
+    Bounds moved = Bounds::nothing();
     for (Vec3& v : checked.mesh.vertices) {
-        v = placement.at(centre + turned(shape, factor * (v - middle)) + shape.translation);
+        v = outer_pose.at(centre + turned(shape, factor * (v - middle)) + shape.translation);
         for (int a = 0; a < 3; ++a) {
-            placed.min[a] = std::min(placed.min[a], v[a]);
-            placed.max[a] = std::max(placed.max[a], v[a]);
+            moved.min[a] = std::min(moved.min[a], v[a]);
+            moved.max[a] = std::max(moved.max[a], v[a]);
         }
     }
-    checked.report.bounds = placed;
+    checked.report.bounds = moved;
     checked.report.volume *= factor * factor * factor;
     checked.report.area *= factor * factor;
     checked.report.thickness_p01 *= factor;
@@ -219,10 +219,10 @@ void fill_overlapping(const CheckedMesh& checked, int dimensions, Solid& out) {
     }
 }
 
-void fill_mesh(const Shape& shape, int dimensions, const Placement& placement, SolidNotes& notes, Solid& out) {
+void fill_mesh(const Shape& shape, int dimensions, const ShapePose& outer_pose, SolidNotes& notes, Solid& out) {
     if (shape.size <= 0) require_positive(shape, "scale", shape.scale);
     CheckedMesh checked = load_closed_mesh(shape.file, shape.where);
-    place_mesh(checked, shape, placement);
+    pose_mesh(checked, shape, outer_pose);
     notes.meshes.push_back(checked.report);
     if (checked.report.overlaps()) return fill_overlapping(checked, dimensions, out);
     if (dimensions == 3) notes.moments = moments_of(checked.mesh);
@@ -235,18 +235,18 @@ void require_valid(const Shape& shape) {
     if (!std::isfinite(shape.rotation_angle)) reject(shape, "the rotation angle is not finite", "", "give an angle");
 }
 
-SurfacePointer primitive_of(const Shape& shape, int dimensions, const Placement& placement) {
-    if (shape.kind == ShapeKind::box) return box_of(shape, dimensions, placement);
-    if (shape.kind == ShapeKind::plane) return plane_of(shape, dimensions, placement);
-    return round_of(shape, dimensions, placement);
+SurfacePointer primitive_of(const Shape& shape, int dimensions, const ShapePose& outer_pose) {
+    if (shape.kind == ShapeKind::box) return box_of(shape, dimensions, outer_pose);
+    if (shape.kind == ShapeKind::plane) return plane_of(shape, dimensions, outer_pose);
+    return round_of(shape, dimensions, outer_pose);
 }
 
-Solid solid_of(const Shape& shape, int dimensions, const Placement& placement, SolidNotes& notes);
+Solid solid_of(const Shape& shape, int dimensions, const ShapePose& outer_pose, SolidNotes& notes);
 
-// `placement` is that of the shape that has the parts.
-Solid joined_of(const Shape& shape, int dimensions, const Placement& placement, SolidNotes& notes) {
+// `outer_pose` is that of the shape that has the parts.
+Solid joined_of(const Shape& shape, int dimensions, const ShapePose& outer_pose, SolidNotes& notes) {
     require_finite(shape, "centre", shape.centre);
-    const Placement inner = placement.after(placement_of(shape));
+    const ShapePose inner = outer_pose.after(pose_of(shape));
     Solid out;
     out.join = shape.kind == ShapeKind::unite ? Solid::Join::unite : Solid::Join::intersect;
     for (const Shape& part : shape.parts) {
@@ -258,17 +258,17 @@ Solid joined_of(const Shape& shape, int dimensions, const Placement& placement, 
     return out;
 }
 
-Solid solid_of(const Shape& shape, int dimensions, const Placement& placement, SolidNotes& notes) {
+Solid solid_of(const Shape& shape, int dimensions, const ShapePose& outer_pose, SolidNotes& notes) {
     require_valid(shape);
     Solid out;
     if (!shape.parts.empty()) {
-        out = joined_of(shape, dimensions, placement, notes);
+        out = joined_of(shape, dimensions, outer_pose, notes);
     } else {
         try {
             if (shape.kind == ShapeKind::mesh) {
-                fill_mesh(shape, dimensions, placement, notes, out);
+                fill_mesh(shape, dimensions, outer_pose, notes, out);
             } else {
-                out.surface = primitive_of(shape, dimensions, placement);
+                out.surface = primitive_of(shape, dimensions, outer_pose);
             }
         } catch (const Nowhere&) { // a solid without a surface
         }

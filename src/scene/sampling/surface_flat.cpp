@@ -98,8 +98,8 @@ private:
         const Vec3& high, SurfaceSamples& result) const {
         Vec3 p{0, 0, 0}, normal{0, 0, 0}, flat{0, 0, 0};
         for (int a = 0; a < dimensions_; ++a) {
-            const double share = n[a] == 0 ? 0 : static_cast<double>(index[a]) / static_cast<double>(n[a]);
-            p[a] = index[a] == n[a] ? high[a] : low[a] + share * (high[a] - low[a]);
+            const double fraction = n[a] == 0 ? 0 : static_cast<double>(index[a]) / static_cast<double>(n[a]);
+            p[a] = index[a] == n[a] ? high[a] : low[a] + fraction * (high[a] - low[a]);
             if (n[a] == 0)
                 flat[a] = 1;
             else if (index[a] == 0)

@@ -148,13 +148,13 @@ private:
         PointGrid taken(gap_, 64);
         std::vector<double> all(fold_.leaves().size(), 0), kept(all);
         // A part that is much larger than the whole has its points farther apart.
-        reach_ = 3 * gap_;
+        max_slide_ = 3 * gap_;
         const auto spacing_of = [&](const Surface& surface) {
             const double area = surface.area();
             const double least = !std::isfinite(area) ? 0
                                  : dimensions_ == 2   ? area / most_points
                                                       : std::sqrt(area / most_points);
-            reach_ = std::max(reach_, 3 * least);
+            max_slide_ = std::max(max_slide_, 3 * least);
             return std::max(gap_, least);
         };
         visit_faces(spacing_of, {}, gap_, [&](const Mark& mark) {
@@ -278,7 +278,7 @@ private:
             normal = surface.nearest(y).normal;
             if (length(y - before) < 1e-5 * eps()) break;
         }
-        if (length(y - mark.x) > reach_ || !on_surface(mark.leaf, y, normal)) return std::nullopt;
+        if (length(y - mark.x) > max_slide_ || !on_surface(mark.leaf, y, normal)) return std::nullopt;
         return y;
     }
     std::optional<Vec3> slide_on_edge(const Mark& mark, const Vec3& x) const {
@@ -293,7 +293,7 @@ private:
             y = *next;
             if (moved < 1e-5 * eps()) break;
         }
-        if (length(y - mark.x) > reach_ || !edge_of_whole(mark.leaf, mark.other, y)) return std::nullopt;
+        if (length(y - mark.x) > max_slide_ || !edge_of_whole(mark.leaf, mark.other, y)) return std::nullopt;
         return y;
     }
     // From far enough outside, the edge is the nearest point of a part.
@@ -310,7 +310,7 @@ private:
             normal = turned_along(surface, y, normal);
             if (moved < 1e-5 * eps()) break;
         }
-        if (length(y - mark.x) > reach_) return std::nullopt;
+        if (length(y - mark.x) > max_slide_) return std::nullopt;
         return on_own_edge({y, mark.leaf, own, normal}) ? std::optional(y) : std::nullopt;
     }
     // The middle of the normals of the faces that meet at y, near that of a point beside it.
@@ -347,7 +347,7 @@ private:
     int dimensions_;
     Bounds bounds_;
     bool ended_ = false, nowhere_ = false;
-    double reach_ = 0;                     // [m] of a slide
+    double max_slide_ = 0;                 // [m] of a slide
     double size_ = 0, gap_ = 0, area_ = 0; // [m], [m], [m2]
     Marks faces_{{}}, edges_{{}};
 };

@@ -46,7 +46,7 @@ public:
         const double d = sampling.spacing;
         std::vector<Vec3> candidates;
         std::vector<Vec3> stuck; // in the middle of thin parts
-        place_on_triangles(candidate_density / (d * d), 0, [&](const Vec3& c, const Vec3& n) {
+        sample_triangles(candidate_density / (d * d), 0, [&](const Vec3& c, const Vec3& n) {
             const auto s = lower(c, n, sampling);
             if (s) (s->thin ? stuck : candidates).push_back(s->point);
         });
@@ -56,7 +56,7 @@ public:
         layer.relax();
         layer.fill(candidates);
         // Small triangles leave chance gaps between the candidates: sampled again, more densely.
-        place_on_triangles(check_density / (d * d), 0.5, [&](const Vec3& c, const Vec3& n) {
+        sample_triangles(check_density / (d * d), 0.5, [&](const Vec3& c, const Vec3& n) {
             if (layer.covers(c - sampling.inset * n)) return;
             const auto s = lower(c, n, sampling);
             if (!s || layer.covers(s->point)) return;
@@ -73,7 +73,7 @@ public:
     SurfaceSamples scatter(const SurfaceSampling& sampling) const override {
         constexpr double per_square = 2; // chance gaps are then no wider than a spacing
         SurfaceSamples result;
-        place_on_triangles(per_square / (sampling.spacing * sampling.spacing), 0, [&](const Vec3& c, const Vec3& n) {
+        sample_triangles(per_square / (sampling.spacing * sampling.spacing), 0, [&](const Vec3& c, const Vec3& n) {
             result.positions.push_back(c);
             result.normals.push_back(n);
         });
@@ -99,7 +99,7 @@ private:
 
     // Visits points spread over all triangles by a low-discrepancy sequence (R2, Roberts 2018).
     template <class Visit>
-    void place_on_triangles(double density, double shift, Visit&& visit) const {
+    void sample_triangles(double density, double shift, Visit&& visit) const {
         const double count = std::max(64.0, std::ceil(area_ * density));
         double before = 0;
         std::uint64_t k = 0;

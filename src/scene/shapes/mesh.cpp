@@ -16,7 +16,7 @@
 namespace treacle::scene {
 namespace {
 
-constexpr double weld_share = 1e-9;            // of the size of the mesh
+constexpr double weld_fraction = 1e-9;         // of the size of the mesh
 constexpr double buried_points = 20'000;       // of the whole surface
 constexpr std::size_t thickness_rays = 20'000; // at most, one per triangle
 
@@ -32,7 +32,7 @@ Bounds bounds_of(const std::vector<Vec3>& points) {
 
 // Merges vertices closer than the tolerance; searches every bin that the tolerance touches, mostly one.
 void weld(TriangleMesh& mesh, MeshReport& report) {
-    const double tolerance = weld_share * length(report.bounds.max - report.bounds.min);
+    const double tolerance = weld_fraction * length(report.bounds.max - report.bounds.min);
     const double bin = std::max(1e3 * tolerance, 1e-300);
     const auto hash = [](std::int64_t i, std::int64_t j, std::int64_t k) {
         std::uint64_t h = 0;
@@ -312,9 +312,9 @@ std::vector<CheckedMesh> split(const CheckedMesh& checked) {
     std::vector<CheckedMesh> parts;
     std::vector<int> renumbered(mesh.vertices.size(), -1);
     for (const auto& t : mesh.triangles) {
-        const auto [place, fresh] = number.try_emplace(sets.find(static_cast<std::size_t>(t[0])), parts.size());
+        const auto [slot, fresh] = number.try_emplace(sets.find(static_cast<std::size_t>(t[0])), parts.size());
         if (fresh) parts.emplace_back();
-        TriangleMesh& part = parts[place->second].mesh;
+        TriangleMesh& part = parts[slot->second].mesh;
         std::array<int, 3> corners;
         for (std::size_t c = 0; c < 3; ++c) {
             int& v = renumbered[static_cast<std::size_t>(t[c])];

@@ -44,10 +44,11 @@ public:
     Tree(const SampledSolid& solid, const Vec3& origin, int depth) : solid_(solid), origin_(origin), depth_(depth) {}
 
     void add(const Vec3& centre, const Vec3& half, int level) {
-        const double reach = length(half), bound = solid_.bound ? solid_.bound(centre) : solid_.distance(centre);
-        if (bound >= reach) return;
+        const double bounding_radius = length(half),
+                     bound = solid_.bound ? solid_.bound(centre) : solid_.distance(centre);
+        if (bound >= bounding_radius) return;
         const double volume = size(half);
-        if (bound <= -reach) {
+        if (bound <= -bounding_radius) {
             add_cell(centre, half, volume);
         } else if (level == depth_) {
             const double distance = solid_.bound ? solid_.distance(centre) : bound;

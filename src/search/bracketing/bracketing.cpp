@@ -10,7 +10,7 @@ constexpr double growth = 1.618033988749895; // of a step downhill over the one 
 constexpr int most_steps_downhill = 40;      // 1e8 steps
 constexpr double local = 16;                 // tolerances: the residuals' curve through points as near as this is right
 
-bool by_place(const Sample& a, const Sample& b) { return a.x < b.x; }
+bool by_position(const Sample& a, const Sample& b) { return a.x < b.x; }
 } // namespace
 
 Bracketing::Bracketing(const Axis& axis, const Limits& limits) : Search({axis}, limits) {}
@@ -40,7 +40,7 @@ Task<void> Bracketing::look_around() {
     }
     const std::vector<Value> values = co_await values_of(points);
     for (std::size_t k = 0; k < points.size(); ++k) samples_.push_back({points[k][0], values[k]});
-    std::sort(samples_.begin(), samples_.end(), by_place);
+    std::sort(samples_.begin(), samples_.end(), by_position);
 }
 
 std::size_t Bracketing::least() const {
@@ -87,7 +87,7 @@ Task<bool> Bracketing::go_downhill() {
         points.push_back({*x});
         const std::vector<Value> values = co_await values_of(points);
         samples_.push_back({*x, values[0]});
-        std::sort(samples_.begin(), samples_.end(), by_place);
+        std::sort(samples_.begin(), samples_.end(), by_position);
     }
     co_return false;
 }

@@ -66,8 +66,8 @@ void Brent::accept(const Proposal& proposal, Value f) {
     if (f.is_measured()) judge_models(u.x, f.value());
     step_before_last_ = proposal.bound;
     last_step_ = u.x - x_.x;
-    const auto place = std::find_if(samples_.begin(), samples_.end(), [&](const Sample& s) { return s.x > u.x; });
-    samples_.insert(place, u);
+    const auto above = std::find_if(samples_.begin(), samples_.end(), [&](const Sample& s) { return s.x > u.x; });
+    samples_.insert(above, u);
     if (!(x_.f < u.f)) {
         (u.x >= x_.x ? lower_ : upper_) = x_.x;
         v_ = w_;

@@ -63,7 +63,7 @@ Task<Stop> CmaEs::run() {
     for (;;) {
         std::vector<std::vector<double>> candidates;
         for (std::uint32_t k = 0; k < state_.constants().lambda; ++k) candidates.push_back(drawn(k));
-        if (const auto place = suggestion()) candidates[0] = *place;
+        if (const auto suggested = suggestion()) candidates[0] = *suggested;
         const std::vector<Value> values = co_await values_of(candidates);
         ++generation_;
         bool any = false;

@@ -115,9 +115,9 @@ void CmaState::update(const std::vector<std::vector<double>>& ranked, std::size_
 void CmaState::update_step_size(const std::vector<double>& move) {
     const auto& c = constants_;
     const auto white = whitened(move);
-    const double share = std::sqrt(c.c_sigma * (2 - c.c_sigma) * c.mu_eff);
+    const double weight = std::sqrt(c.c_sigma * (2 - c.c_sigma) * c.mu_eff);
     for (std::size_t i = 0; i < white.size(); ++i)
-        path_sigma_[i] = (1 - c.c_sigma) * path_sigma_[i] + share * white[i]; // (C4)
+        path_sigma_[i] = (1 - c.c_sigma) * path_sigma_[i] + weight * white[i]; // (C4)
     const double change = c.c_sigma / c.d_sigma * (norm(path_sigma_) / c.chi - 1);
     sigma_ *= std::exp(std::min(1.0, change)); // (C5)
 }
@@ -133,8 +133,8 @@ void CmaState::update_covariance(const std::vector<std::vector<double>>& steps, 
     const auto& c = constants_;
     const std::size_t n = mean_.size();
     const bool h = path_is_short();
-    const double share = h ? std::sqrt(c.c_c * (2 - c.c_c) * c.mu_eff) : 0.0;
-    for (std::size_t i = 0; i < n; ++i) path_c_[i] = (1 - c.c_c) * path_c_[i] + share * move[i]; // (C7)
+    const double weight = h ? std::sqrt(c.c_c * (2 - c.c_c) * c.mu_eff) : 0.0;
+    for (std::size_t i = 0; i < n; ++i) path_c_[i] = (1 - c.c_c) * path_c_[i] + weight * move[i]; // (C7)
     if (c.c_1 + c.c_mu == 0) return;
     std::vector<double> weights(c.weights); // (C8) a bad step takes away no more than C has along it
     double total = 0;

@@ -86,19 +86,19 @@ std::optional<std::vector<double>> LqCmaEs::suggestion() const {
     if (model_.size() < least_values) return std::nullopt;
     const CmaState& s = state();
     const double n = double(dimensions());
-    auto place = model_.minimum();
-    if (!place) {
-        place = s.mean();
+    auto minimum = model_.minimum();
+    if (!minimum) {
+        minimum = s.mean();
         const auto slope = multiply(s.covariance(), model_.gradient(s.mean()));
-        for (std::size_t i = 0; i < place->size(); ++i)
-            (*place)[i] -= 1e6 * s.sigma() * slope[i] / (norm(slope) + 1e-300);
+        for (std::size_t i = 0; i < minimum->size(); ++i)
+            (*minimum)[i] -= 1e6 * s.sigma() * slope[i] / (norm(slope) + 1e-300);
     }
-    const double distance = s.distance(*place), farthest = std::sqrt(n) + 2 * n / (n + 2);
+    const double distance = s.distance(*minimum), farthest = std::sqrt(n) + 2 * n / (n + 2);
     if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
     if (distance > farthest)
-        for (std::size_t i = 0; i < place->size(); ++i)
-            (*place)[i] = s.mean()[i] + farthest / distance * ((*place)[i] - s.mean()[i]);
-    return place;
+        for (std::size_t i = 0; i < minimum->size(); ++i)
+            (*minimum)[i] = s.mean()[i] + farthest / distance * ((*minimum)[i] - s.mean()[i]);
+    return minimum;
 }
 
 } // namespace treacle::search

@@ -28,7 +28,7 @@ Task<void> Lbfgs::method() {
     if (!begun) co_return;
     while (!has_converged()) {
         const auto p = direction();
-        const Place before = here_;
+        const Iterate before = here_;
         const double taken = co_await line_search(p, pairs_.empty() ? first_length(p) : 1.0, false);
         if (taken > 0) {
             co_await look(here_);
@@ -44,25 +44,25 @@ Task<void> Lbfgs::method() {
 
 std::vector<double> Lbfgs::direction() const {
     auto p = downhill();
-    std::vector<double> shares;
+    std::vector<double> coefficients;
     for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
-        const double share = dot(pair->move, p) / pair->along;
-        shares.push_back(share);
-        for (std::size_t i = 0; i < p.size(); ++i) p[i] -= share * pair->change[i];
+        const double coefficient = dot(pair->move, p) / pair->along;
+        coefficients.push_back(coefficient);
+        for (std::size_t i = 0; i < p.size(); ++i) p[i] -= coefficient * pair->change[i];
     }
     if (!pairs_.empty()) {
         const Pair& newest = pairs_.back();
         for (double& c : p) c *= newest.along / dot(newest.change, newest.change);
     }
     for (const Pair& pair : pairs_) {
-        const double share = shares.back() - dot(pair.change, p) / pair.along;
-        shares.pop_back();
-        for (std::size_t i = 0; i < p.size(); ++i) p[i] += share * pair.move[i];
+        const double coefficient = coefficients.back() - dot(pair.change, p) / pair.along;
+        coefficients.pop_back();
+        for (std::size_t i = 0; i < p.size(); ++i) p[i] += coefficient * pair.move[i];
     }
     return p;
 }
 
-void Lbfgs::remember(const Place& before) {
+void Lbfgs::remember(const Iterate& before) {
     Pair pair;
     for (std::size_t i = 0; i < dimensions(); ++i) {
         pair.move.push_back((here_.x[i] - before.x[i]) / axes()[i].step);
@@ -106,7 +106,7 @@ Task<void> MomentumDescent::method() {
     std::vector<double> move(dimensions(), 0.0);
     while (!has_converged()) {
         for (std::size_t i = 0; i < move.size(); ++i) move[i] = options().momentum * move[i] - rate * here_.gradient[i];
-        Place next;
+        Iterate next;
         next.x = moved(here_.x, move, 1);
         for (std::size_t i = 0; i < move.size(); ++i) {
             move[i] = (next.x[i] - here_.x[i]) / axes()[i].step; // a bound takes the rest away

@@ -20,7 +20,7 @@ private:
         double along = 0;                 // their product
     };
     std::vector<double> direction() const;
-    void remember(const Place& before);
+    void remember(const Iterate& before);
     std::deque<Pair> pairs_; // the newest last
 };
 

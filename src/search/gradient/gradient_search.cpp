@@ -50,26 +50,26 @@ Task<bool> GradientSearch::begin() {
 }
 
 // A neighbour without a value leaves the difference to the other one.
-Task<void> GradientSearch::look(Place& place) {
-    std::vector<Point> points = around(place.x);
-    const bool known = !place.f.is_failed();
-    if (!known) points.push_back(place.x);
+Task<void> GradientSearch::look(Iterate& iterate) {
+    std::vector<Point> points = around(iterate.x);
+    const bool known = !iterate.f.is_failed();
+    if (!known) points.push_back(iterate.x);
     const std::vector<Value> values = co_await evaluate(points);
-    if (!known) place.f = values.back();
-    place.gradient.assign(dimensions(), 0.0);
+    if (!known) iterate.f = values.back();
+    iterate.gradient.assign(dimensions(), 0.0);
     for (std::size_t i = 0; i < dimensions(); ++i) {
         struct Side {
             double x;
             Value f;
         };
         Side below{points[2 * i][i], values[2 * i]}, above{points[2 * i + 1][i], values[2 * i + 1]};
-        const Side middle{place.x[i], place.f};
+        const Side middle{iterate.x[i], iterate.f};
         if (!below.f.is_measured()) below = middle;
         if (!above.f.is_measured()) above = middle;
         if (below.f.is_measured() && above.f.is_measured() && above.x > below.x)
-            place.gradient[i] = (above.f.value() - below.f.value()) / (above.x - below.x) * axes()[i].step;
+            iterate.gradient[i] = (above.f.value() - below.f.value()) / (above.x - below.x) * axes()[i].step;
         // Beyond a bound there is nothing to go down to.
-        if (place.x[i] == (place.gradient[i] > 0 ? axes()[i].lower : axes()[i].upper)) place.gradient[i] = 0;
+        if (iterate.x[i] == (iterate.gradient[i] > 0 ? axes()[i].lower : axes()[i].upper)) iterate.gradient[i] = 0;
     }
 }
 

@@ -24,7 +24,7 @@ public:
     Point spread() const override { return last_move_; }
 
 protected:
-    struct Place {
+    struct Iterate {
         Point x;
         Value f = Value::failed();
         std::vector<double> gradient; // [n] per step
@@ -32,8 +32,8 @@ protected:
 
     // Goes to the start; false, and the search ends, where that has no value.
     Task<bool> begin();
-    // Completes a place by its gradient, and by its value where that is not known.
-    Task<void> look(Place& place);
+    // Completes an iterate by its gradient, and by its value where that is not known.
+    Task<void> look(Iterate& iterate);
     // Goes downhill along a direction, by a multiple of it that is returned; 0 where none that is long enough to matter is
     // better. `first` is the first trial's; `refined`: one more trial, at the vertex of the parabola.
     Task<double> line_search(const std::vector<double>& direction, double first, bool refined);
@@ -45,7 +45,7 @@ protected:
     Point moved(const Point& from, const std::vector<double>& direction, double length) const;
 
     const GradientOptions& options() const { return options_; }
-    Place here_;
+    Iterate here_;
     Point last_move_; // [n] absolute, along the axes
 
 private:

@@ -89,8 +89,9 @@ GaussianProcess::Prediction GaussianProcess::at(const std::vector<double>& x) co
     std::vector<double> k;
     for (const auto& point : points_) k.push_back(kernel(point, x, lengths_));
     const auto v = solve_lower(factor_.lower, k);
-    const double share = 1 - dot(v, v), of_mean = square(1 - dot(factor_.ones, v)) / dot(factor_.ones, factor_.ones);
-    return {factor_.mean + dot(k, weights_), std::sqrt(factor_.variance * std::max(0.0, share + of_mean))};
+    const double prior_fraction = 1 - dot(v, v),
+                 of_mean = square(1 - dot(factor_.ones, v)) / dot(factor_.ones, factor_.ones);
+    return {factor_.mean + dot(k, weights_), std::sqrt(factor_.variance * std::max(0.0, prior_fraction + of_mean))};
 }
 
 double GaussianProcess::noise() const { return std::sqrt(noise_ratio_ * factor_.variance); }

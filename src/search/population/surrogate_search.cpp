@@ -10,7 +10,7 @@ namespace treacle::search {
 namespace {
 constexpr std::uint32_t draws_per_axis = 150;
 constexpr std::uint32_t most_batches_without_fit = 6;
-constexpr double reach = 2; // steps of the first batch and of wide draws where there is no bound
+constexpr double half_width = 2; // steps of the first batch and of wide draws where there is no bound
 } // namespace
 
 SurrogateSearch::SurrogateSearch(std::vector<Axis> axes, SurrogateOptions options)
@@ -20,7 +20,7 @@ SurrogateSearch::SurrogateSearch(std::vector<Axis> axes, SurrogateOptions option
 }
 
 Task<void> SurrogateSearch::method() {
-    std::vector<Point> points = hypercube(start(), reach);
+    std::vector<Point> points = hypercube(start(), half_width);
     for (;;) {
         const std::vector<Value> values = co_await evaluate(points);
         take(points, values);
@@ -32,7 +32,7 @@ Task<void> SurrogateSearch::method() {
         }
         if (too_few) { // nearer to the best
             if (best()) centre_ = best()->point;
-            points = hypercube(centre_, reach * std::pow(0.5, batches_));
+            points = hypercube(centre_, half_width * std::pow(0.5, batches_));
             continue;
         }
         fit();
@@ -57,9 +57,9 @@ std::vector<Point> SurrogateSearch::hypercube(const Point& middle, double steps)
             keys.push_back(Value::measured(random_.uniform(Purpose::start, 2 * batches_, k, i)));
         const auto order = ranking(keys);
         for (std::uint32_t k = 0; k < count; ++k) {
-            const double place =
+            const double fraction =
                 (double(order[k]) + random_.uniform(Purpose::start, 2 * batches_ + 1, k, i)) / double(count);
-            out[k + 1][i] += steps * axes()[i].step * (2 * place - 1);
+            out[k + 1][i] += steps * axes()[i].step * (2 * fraction - 1);
         }
     }
     for (Point& x : out) x = clamped(x);
@@ -136,8 +136,8 @@ std::vector<Axis> SurrogateSearch::domain() const {
     auto out = axes();
     for (std::size_t i = 0; i < out.size(); ++i) {
         Axis& axis = out[i];
-        if (!std::isfinite(axis.lower)) axis.lower = std::min(axis.start, centre_[i]) - reach * axis.step;
-        if (!std::isfinite(axis.upper)) axis.upper = std::max(axis.start, centre_[i]) + reach * axis.step;
+        if (!std::isfinite(axis.lower)) axis.lower = std::min(axis.start, centre_[i]) - half_width * axis.step;
+        if (!std::isfinite(axis.upper)) axis.upper = std::max(axis.start, centre_[i]) + half_width * axis.step;
     }
     return out;
 }

@@ -41,17 +41,17 @@ double ResidualCurve::least(double best, double lower, double upper, double step
     double least = std::numeric_limits<double>::infinity(), where = best;
     for (int k = 0; k <= count; ++k) {
         const double x = lower + (upper - lower) * k / count;
-        std::array<double, 3> share{}; // Lagrange's polynomials
+        std::array<double, 3> weight{}; // Lagrange's polynomials
         for (int i = 0; i < 3; ++i) {
             const int j = (i + 1) % 3, l = (i + 2) % 3;
-            share[std::size_t(i)] =
+            weight[std::size_t(i)] =
                 (x - at[std::size_t(j)]->x) * (x - at[std::size_t(l)]->x) /
                 ((at[std::size_t(i)]->x - at[std::size_t(j)]->x) * (at[std::size_t(i)]->x - at[std::size_t(l)]->x));
         }
         double sum = 0;
         for (std::size_t row = 0; row < at[0]->residuals.size(); ++row) {
-            const double r =
-                share[0] * at[0]->residuals[row] + share[1] * at[1]->residuals[row] + share[2] * at[2]->residuals[row];
+            const double r = weight[0] * at[0]->residuals[row] + weight[1] * at[1]->residuals[row] +
+                             weight[2] * at[2]->residuals[row];
             if (std::isfinite(r)) sum += huber_loss(r, bend);
         }
         if (sum < least) {

@@ -35,7 +35,7 @@ void aggregate(Level& level, int coarsening_levels, RowOrder order, const CellSe
     level.group.push_back(static_cast<Index>(runs.size()));
 }
 
-void AggregatePlaces::number(const Comm& comm, Level& level) {
+void AggregateIndex::number(const Comm& comm, Level& level) {
     own_ = level.aggregates();
     first_ = static_cast<Index>(comm.exclusive_sum(std::int64_t{own_}));
     of_halo_.clear();
@@ -59,38 +59,38 @@ void AggregatePlaces::number(const Comm& comm, Level& level) {
 }
 
 void Coarsener::number(const Comm& comm, Level& level) {
-    places_.number(comm, level);
+    index_.number(comm, level);
     scratch_.resize(static_cast<std::size_t>(level.rows));
-    slot_.assign(places_.size(), -1);
+    slot_.assign(index_.size(), -1);
 }
 
-MortonKey Coarsener::key_at(const CoarseRows& made, Index place) const {
-    return place < places_.own() ? made.keys[static_cast<std::size_t>(place)]
-                                 : halo_keys_[static_cast<std::size_t>(place - places_.own())];
+MortonKey Coarsener::key_at(const CoarseRows& made, Index index) const {
+    return index < index_.own() ? made.keys[static_cast<std::size_t>(index)]
+                                : halo_keys_[static_cast<std::size_t>(index - index_.own())];
 }
 
-void Coarsener::add(Index place, double value) {
-    if (place < 0) return;
-    auto& slot = slot_[static_cast<std::size_t>(place)];
+void Coarsener::add(Index index, double value) {
+    if (index < 0) return;
+    auto& slot = slot_[static_cast<std::size_t>(index)];
     if (slot < 0) {
         slot = static_cast<Index>(row_.size());
-        row_.emplace_back(place, 0.0);
+        row_.emplace_back(index, 0.0);
     }
     row_[static_cast<std::size_t>(slot)].second += value;
 }
 
 void Coarsener::sum_rows(const Level& level, Index aggregate) {
-    const auto add_entries = [&](const Level::Block& block, const std::vector<Index>& places, Index i) {
+    const auto add_entries = [&](const Level::Block& block, const std::vector<Index>& indices, Index i) {
         Index k = block.offsets[i];
         const Index end = block.offsets[i + 1];
         // Neighbours come cell by cell.
         while (k < end) {
-            const Index place = places[static_cast<std::size_t>(block.columns[k])];
+            const Index index = indices[static_cast<std::size_t>(block.columns[k])];
             double sum = 0;
             do {
                 sum += block.values[k++];
-            } while (k < end && places[static_cast<std::size_t>(block.columns[k])] == place);
-            add(place, sum);
+            } while (k < end && indices[static_cast<std::size_t>(block.columns[k])] == index);
+            add(index, sum);
         }
     };
     row_.clear();
@@ -99,15 +99,15 @@ void Coarsener::sum_rows(const Level& level, Index aggregate) {
         const auto& [key, begin, end] = level.runs[static_cast<std::size_t>(run)];
         for (Index i = begin; i < end; ++i) {
             add_entries(level.own(), level.aggregate, i);
-            add_entries(level.other(), places_.of_halo(), i);
+            add_entries(level.other(), index_.of_halo(), i);
         }
     }
-    for (const auto& [place, value] : row_) slot_[static_cast<std::size_t>(place)] = -1;
+    for (const auto& [index, value] : row_) slot_[static_cast<std::size_t>(index)] = -1;
 }
 
 // Columns rise.
 void Coarsener::end_row(CoarseRows& made) {
-    for (auto& entry : row_) entry.first = places_.global(entry.first);
+    for (auto& entry : row_) entry.first = index_.global(entry.first);
     std::sort(row_.begin(), row_.end());
     for (const auto& [column, value] : row_) {
         made.matrix.columns.push_back(column);
@@ -134,7 +134,7 @@ void start_rows(const Level& level, CoarseRows& made) {
 void Coarsener::make_galerkin(const Comm& comm, Level& level, double divisor, CoarseRows& made) {
     number(comm, level);
     start_rows(level, made);
-    for (Index a = 0; a < places_.own(); ++a) {
+    for (Index a = 0; a < index_.own(); ++a) {
         sum_rows(level, a);
         for (auto& entry : row_) entry.second /= divisor;
         // Walls hold a level as much as they hold the rows.
@@ -151,21 +151,21 @@ template <class Work>
 void Coarsener::ask_others(Level& level, const Work& work) {
     const auto around = level.halo().gather(scratch_);
     for (std::size_t k = 0; k < around.size(); ++k) {
-        if (places_.of_halo()[k] >= 0) work(static_cast<std::size_t>(places_.of_halo()[k]), around[k]);
+        if (index_.of_halo()[k] >= 0) work(static_cast<std::size_t>(index_.of_halo()[k]), around[k]);
     }
 }
 
 void Coarsener::find_keys(Level& level) {
     for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] = std::bit_cast<double>(level.keys[i]);
-    ask_others(level, [this](std::size_t place, double value) {
-        halo_keys_[place - static_cast<std::size_t>(places_.own())] = std::bit_cast<MortonKey>(value);
+    ask_others(level, [this](std::size_t index, double value) {
+        halo_keys_[index - static_cast<std::size_t>(index_.own())] = std::bit_cast<MortonKey>(value);
     });
 }
 
 // Means of the aggregates.
 void Coarsener::find_densities(Level& level, std::span<const double> densities) {
     densities_.assign(slot_.size(), 0.0);
-    for (Index a = 0; a < places_.own(); ++a) {
+    for (Index a = 0; a < index_.own(); ++a) {
         const auto at = static_cast<std::size_t>(a);
         double sum = 0;
         Index rows = 0;
@@ -185,15 +185,15 @@ void Coarsener::find_densities(Level& level, std::span<const double> densities) 
 void Coarsener::make_grid(const Comm& comm, Level& level, const Rediscretisation& rule, CoarseRows& made) {
     number(comm, level);
     start_rows(level, made);
-    halo_keys_.assign(places_.others(), 0);
+    halo_keys_.assign(index_.others(), 0);
     densities_.clear();
     const bool several = comm.any(!rule.densities.empty());
     if (comm.size() > 1) find_keys(level);
     if (several) {
         find_densities(level, rule.densities);
-        if (comm.size() > 1) ask_others(level, [this](std::size_t place, double value) { densities_[place] = value; });
+        if (comm.size() > 1) ask_others(level, [this](std::size_t index, double value) { densities_[index] = value; });
     }
-    for (Index a = 0; a < places_.own(); ++a) {
+    for (Index a = 0; a < index_.own(); ++a) {
         sum_rows(level, a);
         const MortonKey here = made.keys[static_cast<std::size_t>(a)];
         double diagonal = made.walls.empty() ? 0.0 : made.walls[static_cast<std::size_t>(a)];
@@ -202,11 +202,11 @@ void Coarsener::make_grid(const Comm& comm, Level& level, const Rediscretisation
         for (int face = 0; face < 6; ++face) {
             const MortonKey there = beside(here, face);
             bool liquid = false;
-            for (const auto& [place, value] : found) {
-                if (place == a || key_at(made, place) != there) continue;
+            for (const auto& [index, value] : found) {
+                if (index == a || key_at(made, index) != there) continue;
                 liquid = true;
-                const double coupling = 2 * rule.coupling / (density_at(a) + density_at(place));
-                row_.emplace_back(place, -coupling);
+                const double coupling = 2 * rule.coupling / (density_at(a) + density_at(index));
+                row_.emplace_back(index, -coupling);
                 diagonal += coupling;
             }
             const auto& dirichlet = rule.dirichlet;

@@ -27,22 +27,22 @@ struct Rediscretisation {
     const CellSet& dirichlet;
 };
 
-// The aggregates that this rank's rows belong to or are coupled to, under one local number each, their place: this
+// The aggregates that this rank's rows belong to or are coupled to, under one local number each, their index: this
 // rank's own first, then those of other ranks. Keeps its arrays.
-class AggregatePlaces {
+class AggregateIndex {
 public:
     // Collective: numbers the aggregates of all ranks.
     void number(const Comm& comm, Level& level);
 
     Index first() const { return first_; } // global number of this rank's first aggregate
-    // Numbers of aggregates: this rank's, all with a place, those of other ranks. Global number of 0 <= place < size().
+    // Numbers of aggregates: this rank's, all with an index, those of other ranks. Global number of 0 <= index < size().
     Index own() const { return own_; }
     std::size_t size() const { return static_cast<std::size_t>(own_) + others_.size(); }
     std::size_t others() const { return others_.size(); }
-    Index global(Index place) const {
-        return place < own_ ? first_ + place : others_[static_cast<std::size_t>(place - own_)];
+    Index global(Index index) const {
+        return index < own_ ? first_ + index : others_[static_cast<std::size_t>(index - own_)];
     }
-    // [halo of the level]: place of the aggregate of each row of other ranks, -1: none.
+    // [halo of the level]: index of the aggregate of each row of other ranks, -1: none.
     const std::vector<Index>& of_halo() const { return of_halo_; }
 
 private:
@@ -61,28 +61,28 @@ public:
     // not couple are not coupled; walls count by their mean.
     void make_grid(const Comm& comm, Level& level, const Rediscretisation& rule, CoarseRows& made);
 
-    Index first_made() const { return places_.first(); } // global number of this rank's first made row
+    Index first_made() const { return index_.first(); } // global number of this rank's first made row
 
 private:
     using Entry = std::pair<Index, double>;
     void find_keys(Level& level);
     void find_densities(Level& level, std::span<const double> densities);
-    // Collective: work(place, value) for the other ranks' aggregates, with the part of scratch_ on their rows.
+    // Collective: work(index, value) for the other ranks' aggregates, with the part of scratch_ on their rows.
     template <class Work>
     void ask_others(Level& level, const Work& work);
     void sum_rows(const Level& level, Index aggregate);
-    void add(Index place, double value);
-    MortonKey key_at(const CoarseRows& made, Index place) const;
-    double density_at(Index place) const {
-        return densities_.empty() ? 1 : densities_[static_cast<std::size_t>(place)];
+    void add(Index index, double value);
+    MortonKey key_at(const CoarseRows& made, Index index) const;
+    double density_at(Index index) const {
+        return densities_.empty() ? 1 : densities_[static_cast<std::size_t>(index)];
     }
     void end_row(CoarseRows& made);
 
     void number(const Comm& comm, Level& level);
 
-    AggregatePlaces places_;
+    AggregateIndex index_;
     std::vector<MortonKey> halo_keys_; // of other ranks' aggregates
-    std::vector<double> densities_;    // [places], means of the aggregates' rows; or empty
+    std::vector<double> densities_;    // [indices], means of the aggregates' rows; or empty
     std::vector<Index> slot_;          // where in row_ an aggregate stands, -1: nowhere
     std::vector<Entry> row_;           // of places: this rank's aggregates, then the others
     std::vector<double> scratch_;

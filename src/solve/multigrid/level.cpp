@@ -61,13 +61,13 @@ void Level::refer_to(const Matrix& matrix) {
     global_rows = matrix.global_rows();
     own_ = {blocks.diagonal_offsets, blocks.diagonal_columns, blocks.diagonal_values};
     other_ = {blocks.off_offsets, blocks.off_columns, blocks.off_values};
-    find_places();
+    index_rows();
     blocks_.take(1, rows, own_.offsets, own_.columns, own_.values);
     borrowed_halo_ = blocks.halo;
     t.resize(static_cast<std::size_t>(rows));
 }
 
-void Level::find_places() {
+void Level::index_rows() {
     l1_diagonal_.clear();
     diagonal_.resize(static_cast<std::size_t>(rows));
     for (Index i = 0; i < rows; ++i) {
@@ -125,9 +125,9 @@ void Level::take(const Comm& comm, CoarseRows& made, Index first, Index global) 
             const auto at = static_cast<std::size_t>(k);
             const Index column = given.columns[at];
             auto& store = inside(column) ? own_store_ : other_store_;
-            const auto place = std::lower_bound(others.begin(), others.end(), column);
-            const auto halo_place = static_cast<Index>(place - others.begin());
-            store.columns.push_back(inside(column) ? column - first : halo_place);
+            const auto found = std::lower_bound(others.begin(), others.end(), column);
+            const auto halo_column = static_cast<Index>(found - others.begin());
+            store.columns.push_back(inside(column) ? column - first : halo_column);
             store.values.push_back(given.values[at]);
         }
         own_store_.end_row();
@@ -135,7 +135,7 @@ void Level::take(const Comm& comm, CoarseRows& made, Index first, Index global) 
     }
     own_ = {own_store_.offsets.data(), own_store_.columns.data(), own_store_.values.data()};
     other_ = {other_store_.offsets.data(), other_store_.columns.data(), other_store_.values.data()};
-    find_places();
+    index_rows();
     blocks_.take(made.block, rows, own_.offsets, own_.columns, own_.values);
     halo_.connect(comm, first, others);
     for (auto* vector : {&r, &z, &t}) vector->resize(static_cast<std::size_t>(rows));

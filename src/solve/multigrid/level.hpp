@@ -123,7 +123,7 @@ public:
 
 private:
     double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
-    void find_places();
+    void index_rows();
     void subtract_others(std::span<const double> around, std::span<double> t) const;
     void sweep_up_by_rows(std::span<const double> r, std::span<double> z, std::span<double> t);
     std::span<const double> less_others(std::span<const double> r, std::span<const double> around);

@@ -19,20 +19,20 @@ template <int D>
 struct ModeEntries {
     static constexpr int count = D == 3 ? 3 : 2;
     int mode[count];
-    double share[count];
+    double value[count];
 
     ModeEntries(int axis, const double* arm) {
         mode[0] = axis;
-        share[0] = 1;
+        value[0] = 1;
         if constexpr (D == 3) { // (w x a)_k = w_l a_m - w_m a_l
             const int l = (axis + 1) % 3, m = (axis + 2) % 3;
             mode[1] = 3 + l;
             mode[2] = 3 + m;
-            share[1] = arm[m];
-            share[2] = -arm[l];
+            value[1] = arm[m];
+            value[2] = -arm[l];
         } else {
             mode[1] = 2;
-            share[1] = axis == 0 ? -arm[1] : arm[0];
+            value[1] = axis == 0 ? -arm[1] : arm[0];
         }
     }
 };
@@ -57,7 +57,7 @@ void restrict_rows(
         if (level.aggregate[i] < 0) continue;
         double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[i])];
         const ModeEntries<D> felt(links.axes[i], &links.arms[3 * i]);
-        for (int k = 0; k < felt.count; ++k) motion[felt.mode[k]] += felt.share[k] * t[i];
+        for (int k = 0; k < felt.count; ++k) motion[felt.mode[k]] += felt.value[k] * t[i];
     }
 }
 
@@ -70,7 +70,7 @@ void prolong_rows(
         const double* const motion = &coarse[modes * static_cast<std::size_t>(level.aggregate[i])];
         const ModeEntries<D> felt(links.axes[i], &links.arms[3 * i]);
         double sum = 0;
-        for (int k = 0; k < felt.count; ++k) sum += felt.share[k] * motion[felt.mode[k]];
+        for (int k = 0; k < felt.count; ++k) sum += felt.value[k] * motion[felt.mode[k]];
         z[i] += sum;
     }
 }
@@ -120,30 +120,30 @@ void RigidBodyProlongation::prolong(const Level& level, std::span<const double> 
     work(level, *this, coarse, z);
 }
 
-// Centres are the means of what the aggregates hold.
+// Centres are the means of what the aggregates contain.
 void RigidCoarsener::find_arms(
-    const Level& level, std::span<const double> places, RigidBodyProlongation& links, CoarseRows& made) {
+    const Level& level, std::span<const double> positions, RigidBodyProlongation& links, CoarseRows& made) {
     const std::size_t step = links.finest ? 1 : static_cast<std::size_t>(modes_);
     const auto aggregates = static_cast<std::size_t>(level.aggregates());
     made.centres.assign(3 * aggregates, 0.0);
     scratch_.assign(aggregates, 0.0);
     const auto each = [&](auto&& work) {
-        for (std::size_t i = 0; 3 * i < places.size(); ++i) {
+        for (std::size_t i = 0; 3 * i < positions.size(); ++i) {
             const Index aggregate = level.aggregate[step * i];
             if (aggregate >= 0) work(i, static_cast<std::size_t>(aggregate));
         }
     };
     each([&](std::size_t i, std::size_t a) {
         scratch_[a] += 1;
-        for (std::size_t k = 0; k < 3; ++k) made.centres[3 * a + k] += places[3 * i + k];
+        for (std::size_t k = 0; k < 3; ++k) made.centres[3 * a + k] += positions[3 * i + k];
     });
     for (std::size_t a = 0; a < aggregates; ++a) {
         for (std::size_t k = 0; k < 3; ++k) made.centres[3 * a + k] /= scratch_[a];
     }
-    links.arms.assign(places.size(), 0.0);
+    links.arms.assign(positions.size(), 0.0);
     each([&](std::size_t i, std::size_t a) {
         for (std::size_t k = 0; k < 3; ++k) {
-            const double arm = places[3 * i + k] - made.centres[3 * a + k];
+            const double arm = positions[3 * i + k] - made.centres[3 * a + k];
             links.arms[3 * i + k] = arm < -least_arm || arm > least_arm ? arm : 0.0;
         }
     });
@@ -181,13 +181,13 @@ void RigidCoarsener::gather_arms(const Comm& comm, Level& level, const RigidBody
     }
 }
 
-double* RigidCoarsener::block(Index place) {
-    auto& slot = slot_[static_cast<std::size_t>(place)];
+double* RigidCoarsener::block(Index index) {
+    auto& slot = slot_[static_cast<std::size_t>(index)];
     const auto size = static_cast<std::size_t>(modes_ * modes_);
     if (slot < 0) {
-        slot = static_cast<Index>(met_places_.size());
-        met_places_.push_back(place);
-        if (blocks_.size() < size * met_places_.size()) blocks_.resize(2 * size * met_places_.size());
+        slot = static_cast<Index>(met_indices_.size());
+        met_indices_.push_back(index);
+        if (blocks_.size() < size * met_indices_.size()) blocks_.resize(2 * size * met_indices_.size());
         std::fill_n(blocks_.begin() + static_cast<std::ptrdiff_t>(size) * slot, size, 0.0);
     }
     return &blocks_[size * static_cast<std::size_t>(slot)];
@@ -199,11 +199,11 @@ void RigidCoarsener::add_row(const Level& level, const RigidBodyProlongation& li
     constexpr int modes = rigid_modes(D);
     const auto at = static_cast<std::size_t>(row);
     const ModeEntries<D> left(links.axes[at], &links.arms[3 * at]);
-    const auto add = [&](Index place, const ModeEntries<D>& right, double value) {
-        double* const sum = block(place);
+    const auto add = [&](Index index, const ModeEntries<D>& right, double value) {
+        double* const sum = block(index);
         for (int k = 0; k < left.count; ++k) {
-            const double part = left.share[k] * value;
-            for (int l = 0; l < right.count; ++l) sum[modes * left.mode[k] + right.mode[l]] += part * right.share[l];
+            const double part = left.value[k] * value;
+            for (int l = 0; l < right.count; ++l) sum[modes * left.mode[k] + right.mode[l]] += part * right.value[l];
         }
     };
     const auto& own = level.own();
@@ -215,8 +215,8 @@ void RigidCoarsener::add_row(const Level& level, const RigidBodyProlongation& li
     const auto& other = level.other();
     for (Index e = other.offsets[row]; e < other.offsets[row + 1]; ++e) {
         const auto j = static_cast<std::size_t>(other.columns[e]);
-        const Index place = places_.of_halo()[j];
-        if (place >= 0) add(place, ModeEntries<D>(halo_axes_[j], &halo_arms_[3 * j]), other.values[e]);
+        const Index index = index_.of_halo()[j];
+        if (index >= 0) add(index, ModeEntries<D>(halo_axes_[j], &halo_arms_[3 * j]), other.values[e]);
     }
 }
 
@@ -225,7 +225,7 @@ template <int D>
 void RigidCoarsener::add_blocks(const Level& level, const RigidBodyProlongation& links, Index node) {
     constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
     const auto left = turn<D>(&links.arms[3 * static_cast<std::size_t>(node)]);
-    const auto add = [&](const Level::Block& part, Index entry, Index place, const Turn<D>& right) {
+    const auto add = [&](const Level::Block& part, Index entry, Index index, const Turn<D>& right) {
         double b[m][m];
         for (std::size_t k = 0; k < m; ++k) {
             const double* const values = &part.values[part.offsets[node * Index(m) + Index(k)] + entry];
@@ -241,22 +241,22 @@ void RigidCoarsener::add_blocks(const Level& level, const RigidBodyProlongation&
                 for (std::size_t l = 0; l < m; ++l) b[D + w][l] += left[k][w] * b[k][l];
             }
         }
-        double* const sum = block(place);
+        double* const sum = block(index);
         for (std::size_t k = 0; k < m * m; ++k) sum[k] += b[k / m][k % m];
     };
-    const auto each = [&](const Level::Block& part, auto&& place_of, auto&& arm_of) {
+    const auto each = [&](const Level::Block& part, auto&& index_of, auto&& arm_of) {
         const Index begin = part.offsets[node * Index(m)], end = part.offsets[node * Index(m) + 1];
         for (Index e = begin; e < end; e += Index(m)) {
             const auto column = static_cast<std::size_t>(part.columns[e]);
-            const Index place = place_of(column);
-            if (place >= 0) add(part, e - begin, place, turn<D>(arm_of(column / m)));
+            const Index index = index_of(column);
+            if (index >= 0) add(part, e - begin, index, turn<D>(arm_of(column / m)));
         }
     };
     each(
         level.own(), [&](std::size_t column) { return level.aggregate[column]; },
         [&](std::size_t other) { return &links.arms[3 * other]; });
     each(
-        level.other(), [&](std::size_t column) { return places_.of_halo()[column]; },
+        level.other(), [&](std::size_t column) { return index_.of_halo()[column]; },
         [&](std::size_t other) { return &halo_arms_[3 * other]; });
 }
 
@@ -264,11 +264,11 @@ template <int D>
 void RigidCoarsener::end_rows(double divisor, CoarseRows& made) {
     constexpr auto m = static_cast<std::size_t>(rigid_modes(D));
     met_.clear();
-    for (std::size_t k = 0; k < met_places_.size(); ++k) {
-        met_.emplace_back(places_.global(met_places_[k]), static_cast<Index>(k));
-        slot_[static_cast<std::size_t>(met_places_[k])] = -1;
+    for (std::size_t k = 0; k < met_indices_.size(); ++k) {
+        met_.emplace_back(index_.global(met_indices_[k]), static_cast<Index>(k));
+        slot_[static_cast<std::size_t>(met_indices_[k])] = -1;
     }
-    met_places_.clear();
+    met_indices_.clear();
     std::sort(met_.begin(), met_.end());
     for (std::size_t k = 0; k < m; ++k) {
         for (const auto& [number, slot] : met_) {
@@ -301,15 +301,15 @@ void RigidCoarsener::make_rows(
     }
 }
 
-void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double> places, double divisor,
+void RigidCoarsener::make(const Comm& comm, Level& level, std::span<const double> positions, double divisor,
     RigidBodyProlongation& links, CoarseRows& made) {
     modes_ = rigid_modes(links.dimensions);
     made.clear();
     made.block = modes_;
-    places_.number(comm, level);
-    slot_.assign(places_.size(), -1);
-    met_places_.clear();
-    find_arms(level, places, links, made);
+    index_.number(comm, level);
+    slot_.assign(index_.size(), -1);
+    met_indices_.clear();
+    find_arms(level, positions, links, made);
     gather_arms(comm, level, links);
     if (links.dimensions == 3)
         make_rows<3>(level, divisor, links, made);

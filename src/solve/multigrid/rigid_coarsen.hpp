@@ -48,14 +48,15 @@ struct RigidBodyProlongation {
 // Makes Galerkin products. Keeps its work arrays.
 class RigidCoarsener {
 public:
-    // (RM2) Collective: P^T A P / divisor of a level whose rows have their aggregates; `places` [rows or aggregates below][3]
+    // (RM2) Collective: P^T A P / divisor of a level whose rows have their aggregates; `positions` [rows or aggregates below][3]
     // in widths. Fills links.arms and, of made, all but walls.
-    void make(const Comm& comm, Level& level, std::span<const double> places, double divisor,
+    void make(const Comm& comm, Level& level, std::span<const double> positions, double divisor,
         RigidBodyProlongation& links, CoarseRows& made);
-    Index first_made() const { return modes_ * places_.first(); } // global number of this rank's first made row
+    Index first_made() const { return modes_ * index_.first(); } // global number of this rank's first made row
 
 private:
-    void find_arms(const Level& level, std::span<const double> places, RigidBodyProlongation& links, CoarseRows& made);
+    void find_arms(
+        const Level& level, std::span<const double> positions, RigidBodyProlongation& links, CoarseRows& made);
     void gather_arms(const Comm& comm, Level& level, const RigidBodyProlongation& links);
     template <int D>
     void make_rows(const Level& level, double divisor, const RigidBodyProlongation& links, CoarseRows& made);
@@ -65,15 +66,15 @@ private:
     void add_blocks(const Level& level, const RigidBodyProlongation& links, Index node);
     template <int D>
     void end_rows(double divisor, CoarseRows& made);
-    double* block(Index place);
+    double* block(Index index);
 
     int modes_ = 6;
-    AggregatePlaces places_;
+    AggregateIndex index_;
     std::vector<double> halo_arms_;            // [halo of the level][3], of aggregates [halo / modes][3]
     std::vector<signed char> halo_axes_;       // [halo of the level], of the matrix
-    std::vector<Index> slot_;                  // where in blocks_ a place stands, -1: nowhere
+    std::vector<Index> slot_;                  // where in blocks_ an index stands, -1: nowhere
     std::vector<std::pair<Index, Index>> met_; // global number and slot of the aggregates that one couples to
-    std::vector<Index> met_places_;
+    std::vector<Index> met_indices_;
     std::vector<double> blocks_; // [slots][modes][modes]
     std::vector<double> scratch_;
 };

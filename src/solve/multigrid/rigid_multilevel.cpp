@@ -37,7 +37,7 @@ struct RigidMultilevel::State {
     std::size_t used = 0;     // levels of the present one
     bool direct = false;      // the last level is solved for directly
     CellSet dropped;
-    std::vector<double> places; // of the rows of the matrix [widths]
+    std::vector<double> positions; // of the rows of the matrix [widths]
     CoarseRows made;
     DisconnectedSplit separation;
     RigidCoarsener coarsener;
@@ -71,7 +71,7 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     auto& links = stages[0].links;
     level.refer_to(matrix);
     const auto n = static_cast<std::size_t>(matrix.rows());
-    TREACLE_EXPECT(rows.cells.size() == 3 * n && rows.places.size() == 3 * n && rows.axes.size() == n);
+    TREACLE_EXPECT(rows.cells.size() == 3 * n && rows.positions.size() == 3 * n && rows.axes.size() == n);
     level.keys.resize(n);
     const int side = matrix.global_rows() < options->small_rows ? options->small_aggregate_width : options->box;
     for (std::size_t i = 0; i < n; ++i) {
@@ -85,8 +85,8 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     dropped.assign(1, no_cell);
     links.finest = true;
     links.axes.assign(rows.axes.begin(), rows.axes.end());
-    places.resize(3 * n);
-    for (std::size_t i = 0; i < 3 * n; ++i) places[i] = rows.places[i] / rows.width;
+    positions.resize(3 * n);
+    for (std::size_t i = 0; i < 3 * n; ++i) positions[i] = rows.positions[i] / rows.width;
     used = 1;
     direct = false;
 }
@@ -120,8 +120,8 @@ bool RigidMultilevel::State::add_level(const Comm& comm, int dimensions, int& st
     links.dimensions = dimensions;
     const auto global_rows = modes * comm.sum(std::int64_t{level.aggregates()});
     if (global_rows == 0) return false;
-    coarsener.make(comm, level, used == 1 ? std::span<const double>(places) : level.centres, overcorrection(used - 1),
-        links, made);
+    coarsener.make(comm, level, used == 1 ? std::span<const double>(positions) : level.centres,
+        overcorrection(used - 1), links, made);
     const auto made_rows = static_cast<std::size_t>(made.rows());
     const int old_stride = stride;
     stride = RankAgglomeration::wider(
@@ -164,9 +164,9 @@ void RigidMultilevel::State::coarsen_border(std::size_t depth) {
             next.columns[k * coarse_rows + i] = from[i] / overcorrection(depth);
     }
     for (std::size_t i = 0; i < coarse_rows; ++i) {
-        bool reached = false;
-        for (std::size_t k = 0; k < count() && !reached; ++k) reached = next.columns[k * coarse_rows + i] != 0;
-        if (reached) next.bordered.push_back(static_cast<Index>(i));
+        bool coupled = false;
+        for (std::size_t k = 0; k < count() && !coupled; ++k) coupled = next.columns[k * coarse_rows + i] != 0;
+        if (coupled) next.bordered.push_back(static_cast<Index>(i));
     }
 }
 
@@ -359,7 +359,7 @@ std::vector<LevelSize> RigidMultilevel::sizes() const {
 }
 
 std::size_t RigidMultilevel::bytes() const {
-    std::size_t total = state_->dense.bytes() + 8 * state_->places.capacity();
+    std::size_t total = state_->dense.bytes() + 8 * state_->positions.capacity();
     for (const auto& stage : state_->stages) {
         total += stage.level.bytes() + stage.links.bytes() + stage.agglomeration.bytes() +
                  8 * (stage.made_r.capacity() + stage.made_z.capacity() + stage.columns.capacity() +

@@ -22,7 +22,7 @@ struct VelocityRows {
     int dimensions = 3;
     double width = 1;                  // of a cell, the unit of length of the rotations
     std::span<const int> cells;        // [rows][3]
-    std::span<const double> places;    // [rows][3]; of periodic axes any image, if only it is near its cell's
+    std::span<const double> positions; // [rows][3]; of periodic axes any image, if only it is near its cell's
     std::span<const signed char> axes; // [rows], 0 … dimensions - 1
     // [rows], 1 where a row is left to the sweeps, as if no coarse matrix had it: stiff ones beside walls; or empty.
     std::span<const unsigned char> aside{};

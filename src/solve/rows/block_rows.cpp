@@ -36,7 +36,7 @@ void BlockMatrix::append(const BlockRows& rows, Index block, int line) {
     for (Index entry = rows.offsets[block]; entry < rows.offsets[block + 1]; ++entry) {
         const Index column = rows.columns[entry];
         const bool mine = rows.owns(column);
-        const auto place =
+        const auto local_column =
             mine ? column - rows.first
                  : static_cast<Index>(
                        std::lower_bound(halo_columns_.begin(), halo_columns_.end(), column) - halo_columns_.begin());
@@ -44,7 +44,7 @@ void BlockMatrix::append(const BlockRows& rows, Index block, int line) {
             &rows.values[static_cast<std::size_t>(entry) * std::size_t(m * m) + std::size_t(m * line)];
         Part& part = mine ? own_ : other_;
         for (int l = 0; l < m; ++l) {
-            part.columns.push_back(m * place + l);
+            part.columns.push_back(m * local_column + l);
             part.values.push_back(values[l]);
         }
     }

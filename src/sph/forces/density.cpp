@@ -31,7 +31,7 @@ struct DensityLoop {
         const double weight = relative(i);
         density(i) = weight * rho;
         volume(i) = c.mass / rho;
-        const double zeta = options.spiky_share(fluid.solid.count(i)); // (2.3)
+        const double zeta = options.spiky_weight(fluid.solid.count(i)); // (2.3)
         if (zeta == 0) {
             blended(i) = weight * rho;
             return;
@@ -67,7 +67,7 @@ struct SolidVolumeLoop {
 } // namespace
 
 double wall_packing(const PressureOptions& options, int dimensions) {
-    if (!options.recovers_places()) return 1;
+    if (!options.recovers_positions()) return 1;
     return dimensions == 3 ? 1.08 : 1.06;
 }
 

@@ -49,12 +49,12 @@ struct ForceLoop {
         const double own = 2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density) /
                            liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            const double grip = friction(fluid.solid_body(s));
-            if (grip == 0) return;
+            const double friction_factor = friction(fluid.solid_body(s));
+            if (friction_factor == 0) return;
             const auto& v = fluid.solid_velocity;
             const double approach = (ux - v(s, 0)) * dx + (uy - v(s, 1)) * dy + (uz - v(s, 2)) * dz;
             const double drag = own * approach + pair_artificial_viscosity * math::min(approach, 0.0);
-            const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
+            const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * friction_factor;
             const double f = mass * drag / (r2 + soft) * kernel.gradient(math::sqrt(r2));
             ax += f * dx;
             ay += f * dy;
@@ -114,8 +114,8 @@ struct BodyLoadLoop : LoadReduction {
 
     KOKKOS_INLINE_FUNCTION void add(value_type sum, int s, const double force[3]) const {
         const auto& x = fluid.solid.among;
-        const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-        points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), place, force);
+        const double position[3] = {x(s, 0), x(s, 1), x(s, 2)};
+        points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), position, force);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const Constants& c = fluid.constants;
@@ -149,11 +149,11 @@ struct ViscousLoadLoop : BodyLoadLoop<Kernel> {
             2 * (Kernel::dimensions + 2) * liquids.viscosity(i) / (c.rest_density * c.rest_density);
         const double pair_artificial_viscosity = artificial / c.rest_density * liquids.density(i);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
-            const double grip = friction(fluid.solid_body(s));
-            if (grip == 0) return;
+            const double friction_factor = friction(fluid.solid_body(s));
+            if (friction_factor == 0) return;
             const double approach = (u(i, 0) - v(s, 0)) * dx + (u(i, 1) - v(s, 1)) * dy + (u(i, 2) - v(s, 2)) * dz;
             const double drag = pair_viscosity * approach + pair_artificial_viscosity * math::min(approach, 0.0);
-            const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * grip;
+            const double mass = c.rest_density * fluid.solid_volume(s) / c.wall_packing * friction_factor;
             const double f = -c.mass * mass * drag / (r2 + soft) * Base::kernel.gradient(math::sqrt(r2));
             const double force[3] = {f * dx, f * dy, Kernel::dimensions == 3 ? f * dz : 0};
             Base::add(sum, s, force);
@@ -166,7 +166,7 @@ struct XsphLoop {
     Kernel kernel;
     Liquids liquids;
     Fluid fluid;
-    double share;
+    double weight;
     Array3 correction;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -179,9 +179,9 @@ struct XsphLoop {
             cy += w * (u(j, 1) - u(i, 1));
             cz += w * (u(j, 2) - u(i, 2));
         });
-        correction(i, 0) = share * cx;
-        correction(i, 1) = share * cy;
-        correction(i, 2) = share * cz;
+        correction(i, 0) = weight * cx;
+        correction(i, 1) = weight * cy;
+        correction(i, 2) = weight * cz;
     }
 };
 

@@ -44,12 +44,12 @@ void Inflow::emit(LiquidParticles& liquid, const Decomposition& decomposition) {
     }
 }
 
-void Inflow::hold(LiquidParticles& liquid) const {
+void Inflow::prescribe(LiquidParticles& liquid) const {
     const auto inlet = liquid.inlet();
     const auto u = liquid.velocity();
     const auto prescribed = prescribed_;
     Kokkos::parallel_for(
-        "treacle::hold_inflow", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        "treacle::prescribe_inflow", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
             if (inlet(i) == 0) return;
             for (int k = 0; k < 3; ++k) u(i, k) = prescribed(numbers * (inlet(i) - 1) + k);
         });
@@ -170,11 +170,11 @@ int remove_outflow(const DomainBox& domain, const flow::Outlets& outlets, Liquid
     return gone;
 }
 
-void clear_held(const LiquidParticles& liquid, const Array3& rows) {
+void clear_prescribed(const LiquidParticles& liquid, const Array3& rows) {
     if (!liquid.has_inlets()) return;
     const auto inlet = liquid.inlet();
     Kokkos::parallel_for(
-        "treacle::clear_held", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        "treacle::clear_prescribed", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
             for (int k = 0; k < 3; ++k) rows(i, k) = inlet(i) > 0 ? 0 : rows(i, k);
         });
 }

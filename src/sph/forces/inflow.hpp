@@ -28,7 +28,7 @@ public:
     // Puts in the layers that are due at the present time, those of this rank's cells. Ghosts are dropped.
     void emit(LiquidParticles& liquid, const Decomposition& decomposition);
     // Held particles get their velocity back, whatever has acted on them; ghosts' are left stale.
-    void hold(LiquidParticles& liquid) const;
+    void prescribe(LiquidParticles& liquid) const;
     // After predict(): buffer particles are unknowns of the pressure without a source, by which the pressure
     // goes on behind the opening as it is before it.
     void close(LiquidParticles& liquid) const;
@@ -54,6 +54,6 @@ private:
 int remove_outflow(const DomainBox& domain, const flow::Outlets& outlets, LiquidParticles& liquid);
 
 // Rows of buffer particles become 0: what must not act on them.
-void clear_held(const LiquidParticles& liquid, const Array3& rows);
+void clear_prescribed(const LiquidParticles& liquid, const Array3& rows);
 
 } // namespace treacle::sph

@@ -40,7 +40,7 @@ KOKKOS_INLINE_FUNCTION bool clearly_inside(const DomainBox& domain, const double
 
 DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid, double dt, Use use_correction) {
     const auto x = liquid.position(), u = liquid.velocity(), correction = liquid.acceleration();
-    const double share = use_correction == Use::yes ? 1 : 0;
+    const double factor = use_correction == Use::yes ? 1 : 0;
     DepartureCounts out;
     Kokkos::parallel_reduce(
         "treacle::move", liquid.store.owned(),
@@ -48,7 +48,7 @@ DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid,
             double to[3], speed[3];
             for (int k = 0; k < 3; ++k) {
                 speed[k] = u(i, k);
-                const double extra = share > 0 ? correction(i, k) : 0;
+                const double extra = factor > 0 ? correction(i, k) : 0;
                 to[k] = domain.wrap(k, x(i, k) + dt * (speed[k] + extra));
                 x(i, k) = to[k];
             }

@@ -67,12 +67,12 @@ struct SkinFrictionLoop : LoadReduction {
             force[k] = fluid.constants.mass * relative(i) * lost / dt;
         }
         const auto& x = fluid.solid.among;
-        const double shares = wall.coefficient * wall.weights;
+        const double total_weight = wall.coefficient * wall.weights;
         fluid.solid.each(i, [&](int s, double, double, double, double r2) {
-            const double share = weight(s, r2) * coefficient(fluid.solid_body(s)) / shares;
-            const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-            const double part[3] = {share * force[0], share * force[1], share * force[2]};
-            points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), place, part);
+            const double fraction = weight(s, r2) * coefficient(fluid.solid_body(s)) / total_weight;
+            const double position[3] = {x(s, 0), x(s, 1), x(s, 2)};
+            const double part[3] = {fraction * force[0], fraction * force[1], fraction * force[2]};
+            points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), position, part);
         });
     }
 };

@@ -38,14 +38,14 @@ struct WallContactLoop : LoadReduction {
         if (fluid.solid.count(i) == 0) return;
         const Constants& c = fluid.constants;
         const auto& v = fluid.solid_velocity;
-        const double reach2 = patch * patch * c.spacing * c.spacing;
-        const double place[3] = {fluid.solid.of(i, 0), fluid.solid.of(i, 1), fluid.solid.of(i, 2)};
+        const double cutoff2 = patch * patch * c.spacing * c.spacing;
+        const double position[3] = {fluid.solid.of(i, 0), fluid.solid.of(i, 1), fluid.solid.of(i, 2)};
         bool stopped = false;
         for (int pass = 0; pass < passes; ++pass) {
             fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
                 const double n[3] = {normal(s, 0), normal(s, 1), normal(s, 2)};
                 const double height = n[0] * dx + n[1] * dy + n[2] * dz;
-                if (height < 0 || r2 - height * height > reach2) return;
+                if (height < 0 || r2 - height * height > cutoff2) return;
                 const double rise =
                     (moves(i, 0) - v(s, 0)) * n[0] + (moves(i, 1) - v(s, 1)) * n[1] + (moves(i, 2) - v(s, 2)) * n[2];
                 const double push = least_rise(height) - rise;
@@ -56,7 +56,7 @@ struct WallContactLoop : LoadReduction {
                     moves.changed(i, k) += push * n[k];
                     force[k] = -c.mass * relative(i) * push * n[k] / dt;
                 }
-                points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), place, force);
+                points.add(sum + 6 * fluid.solid_body(s), fluid.solid_body(s), position, force);
             });
         }
         if (stopped) sum[value_count - 1] += 1;

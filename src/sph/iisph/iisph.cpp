@@ -196,7 +196,7 @@ void Iisph::prepare_pairs(const StepContext& parts) {
     }
     const auto fluid = make_views(parts.constants, liquid, parts.solid, parts.neighbours);
     const auto& options = parts.options.pressure;
-    const bool bearing = options.recovers_places() && options.stop == StoppingRule::density_error;
+    const bool bearing = options.recovers_positions() && options.stop == StoppingRule::density_error;
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_pairs", fluid.count,
@@ -246,7 +246,7 @@ void Iisph::multiply(const StepContext& parts, const Array<double>& q) {
 namespace {
 BoundedGuess guess_of(Iisph::Aim aim) {
     switch (aim) {
-    case Iisph::Aim::places: return BoundedGuess::zero;            // the excess differs from step to step
+    case Iisph::Aim::positions: return BoundedGuess::zero;         // the excess differs from step to step
     case Iisph::Aim::approach: return BoundedGuess::best_multiple; // so that no energy comes with it
     case Iisph::Aim::density:
     case Iisph::Aim::divergence: break;
@@ -269,11 +269,11 @@ solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, 
     }
     if (weight_ == 0) weight_ = iisph_weight(parts.options, parts.constants);
     const bool divergence = aim == Aim::divergence;
-    const bool loose = aim == Aim::places && options.stop == StoppingRule::density_error;
+    const bool loose = aim == Aim::positions && options.stop == StoppingRule::density_error;
     const int rows = parts.liquid.store.owned();
     const auto product = [&](const Array<double>& q) {
         multiply(parts, q);
-        if (aim == Aim::places) add_compliance(rows, shift_compliance, diagonal_, q, product_);
+        if (aim == Aim::positions) add_compliance(rows, shift_compliance, diagonal_, q, product_);
     };
     const auto& cells = parts.cells;
     const RowGroups groups = aim == Aim::approach
@@ -298,7 +298,7 @@ solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, 
 
 solve::SolveReport Iisph::solve(const StepContext& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
-    const Aim aim = parts.options.pressure.recovers_places() ? Aim::approach : Aim::density;
+    const Aim aim = parts.options.pressure.recovers_positions() ? Aim::approach : Aim::density;
     prepare(parts, dt, aim);
     auto out = iterate(parts, aim, dt, parts.liquid.pressure());
     roles = write_pressures(parts, q_);
@@ -308,9 +308,9 @@ solve::SolveReport Iisph::solve(const StepContext& parts, double dt, RoleCounts&
 
 solve::SolveReport Iisph::shift(const StepContext& parts, double dt) {
     const auto start = Clock::now();
-    write_source(parts, dt, Aim::places);
+    write_source(parts, dt, Aim::positions);
     auto& liquid = parts.liquid;
-    auto out = iterate(parts, Aim::places, dt, liquid.pressure());
+    auto out = iterate(parts, Aim::positions, dt, liquid.pressure());
     const auto shift = liquid.acceleration();
     if (out.products == 0) { // q = 0
         Kokkos::deep_copy(shift, 0.0);

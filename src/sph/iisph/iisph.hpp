@@ -28,8 +28,8 @@ public:
     //   places:     as density, of a shift of places; largest_residual does not hold
     //   divergence: the density's rate of change over dt; rows with few neighbours (inaccurate density) stay 0 (Bender &
     //               Koschier 2017)
-    enum class Aim { density, approach, places, divergence };
-    // g, the diagonal of A, the gradients of the pairs. Writes the field place.
+    enum class Aim { density, approach, positions, divergence };
+    // g, the diagonal of A, the gradients of the pairs. Writes the field packed_position.
     void prepare_pairs(const StepContext& parts);
     // The same, and (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
     void prepare(const StepContext& parts, double dt, Aim aim = Aim::density);

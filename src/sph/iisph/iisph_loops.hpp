@@ -110,9 +110,9 @@ struct SourceLoop {
         double change = sum_lanes(divergence);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
-            const double share = fluid.carries(s) ? 1 : 0;
+            const double factor = fluid.carries(s) ? 1 : 0;
             change +=
-                gradient * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
+                gradient * ((ux - factor * v(s, 0)) * dx + (uy - factor * v(s, 1)) * dy + (uz - factor * v(s, 2)) * dz);
         });
         if (aim != Iisph::Aim::divergence) {
             const double excess = density(i) / relative(i) - c.rest_density;

@@ -19,13 +19,13 @@ template <class Kernel>
 double lattice_eigenvalue(const Kernel& kernel, const Constants& constants) {
     constexpr int waves = 12;
     const double d = constants.spacing;
-    const int reach = static_cast<int>(constants.support / d);
+    const int support_cells = static_cast<int>(constants.support / d);
     const int third = Kernel::dimensions == 3 ? 1 : 0;
-    std::vector<std::array<double, 6>> around; // place over spacing, gradient
+    std::vector<std::array<double, 6>> around; // position over spacing, gradient
     double square = 0;
-    for (int z = -reach * third; z <= reach * third; ++z) {
-        for (int y = -reach; y <= reach; ++y) {
-            for (int x = -reach; x <= reach; ++x) {
+    for (int z = -support_cells * third; z <= support_cells * third; ++z) {
+        for (int y = -support_cells; y <= support_cells; ++y) {
+            for (int x = -support_cells; x <= support_cells; ++x) {
                 const double r = d * std::sqrt(double(x * x + y * y + z * z));
                 if (r == 0 || r >= constants.support) continue;
                 const double g = kernel.gradient(r) * d;
@@ -52,12 +52,12 @@ double lattice_eigenvalue(const Kernel& kernel, const Constants& constants) {
 } // namespace
 
 int lattice_neighbours(const Constants& constants) {
-    const int reach = static_cast<int>(constants.support / constants.spacing);
-    const int third = constants.dimensions == 3 ? reach : 0;
+    const int support_cells = static_cast<int>(constants.support / constants.spacing);
+    const int third = constants.dimensions == 3 ? support_cells : 0;
     int count = -1; // itself
     for (int z = -third; z <= third; ++z) {
-        for (int y = -reach; y <= reach; ++y) {
-            for (int x = -reach; x <= reach; ++x) {
+        for (int y = -support_cells; y <= support_cells; ++y) {
+            for (int x = -support_cells; x <= support_cells; ++x) {
                 count += constants.spacing * std::sqrt(double(x * x + y * y + z * z)) < constants.support ? 1 : 0;
             }
         }

@@ -21,17 +21,17 @@ void add(const Array<double>& a, double factor, const Array<double>& b, int coun
         "treacle::correction_add", count, KOKKOS_LAMBDA(int i) { a(i) += factor * b(i); });
 }
 
-// out = share.source b + share.product A q on the unknowns, 0 elsewhere: others keep their pressures.
-struct Shares {
+// out = weight.source b + weight.product A q on the unknowns, 0 elsewhere: others keep their pressures.
+struct Weights {
     double source, product;
 };
 void combine(
-    const LiquidParticles& liquid, const Shares& share, const Array<double>& product, const Array<double>& out) {
+    const LiquidParticles& liquid, const Weights& weight, const Array<double>& product, const Array<double>& out) {
     const auto b = liquid.source();
     const auto role = liquid.role();
     Kokkos::parallel_for(
         "treacle::correction_combine", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            out(i) = role(i) == Role::poisson ? share.source * b(i) + share.product * product(i) : 0;
+            out(i) = role(i) == Role::poisson ? weight.source * b(i) + weight.product * product(i) : 0;
         });
 }
 
@@ -127,9 +127,9 @@ void OrthominCorrection::orthogonalise(const Comm& comm, std::size_t number, int
     for (std::size_t k = 0; k < number; ++k) {
         const auto& before = directions_[k];
         if (!(before.square > 0)) continue;
-        const double share = dot(comm, now.product, before.product, count) / before.square;
-        add(now.step, -share, before.step, count);
-        add(now.product, -share, before.product, count);
+        const double projection = dot(comm, now.product, before.product, count) / before.square;
+        add(now.step, -projection, before.step, count);
+        add(now.product, -projection, before.product, count);
     }
     now.square = dot(comm, now.product, now.product, count);
 }

@@ -16,11 +16,11 @@ bool periodic(const scene::Domain& domain, int axis) {
 
 // A power of two so small that twice the domain is counted in whole, exactly representable steps.
 double position_quantum(const scene::Domain& domain) {
-    double reach = 0;
+    double extent = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        reach = std::max({reach, std::abs(domain.min[k]), std::abs(domain.max[k]), domain.max[k] - domain.min[k]});
+        extent = std::max({extent, std::abs(domain.min[k]), std::abs(domain.max[k]), domain.max[k] - domain.min[k]});
     }
-    return std::exp2(std::ceil(std::log2(reach)) + 2 - 52);
+    return std::exp2(std::ceil(std::log2(extent)) + 2 - 52);
 }
 } // namespace
 

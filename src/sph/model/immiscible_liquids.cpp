@@ -15,7 +15,7 @@ ImmiscibleLiquids make_immiscible_liquids(std::span<const LiquidMaterial> liquid
     const std::size_t n = liquids.size();
     ImmiscibleLiquids out;
     out.count = static_cast<int>(n);
-    out.step_share = step_share(liquids);
+    out.time_step_factor = time_step_factor(liquids);
     out.density = Array<double>("treacle::liquid_density", n);
     out.viscosity = Array<double>("treacle::liquid_viscosity", n);
     out.pair = Array<double>("treacle::liquid_pairs", ImmiscibleLiquids::tables * n * n);
@@ -47,7 +47,7 @@ bool differ(std::span<const LiquidMaterial> liquids) {
     });
 }
 
-double step_share(std::span<const LiquidMaterial> liquids) {
+double time_step_factor(std::span<const LiquidMaterial> liquids) {
     const auto [light, heavy] = std::ranges::minmax(liquids, {}, &LiquidMaterial::density);
     return std::sqrt(light.density / heavy.density);
 }

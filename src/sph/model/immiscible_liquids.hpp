@@ -32,7 +32,7 @@ struct ImmiscibleLiquids {
     double relaxation_time = 0;
     // Factor on the step of one liquid: the root of the lightest over the heaviest density. The pressure that stops a
     // heavy liquid moves a light one faster by its inverse.
-    double step_share = 1;
+    double time_step_factor = 1;
     Array<double> density;   // [count] over Constants::rest_density
     Array<double> viscosity; // [count] [Pa s]
     Array<double> pair;      // [tables][count][count]
@@ -49,7 +49,7 @@ ImmiscibleLiquids make_immiscible_liquids(std::span<const LiquidMaterial> liquid
 bool differ(std::span<const LiquidMaterial> liquids);
 
 // ImmiscibleLiquids::step_share of the liquids.
-double step_share(std::span<const LiquidMaterial> liquids);
+double time_step_factor(std::span<const LiquidMaterial> liquids);
 
 // Largest viscosity over density of the less viscous one, over all pairs of liquids [m2/s].
 double largest_kinematic_viscosity(std::span<const LiquidMaterial> liquids);

@@ -11,11 +11,11 @@ namespace {
 constexpr double edge = 1 - 1e-9;
 
 template <class Visit>
-void for_lattice(int dimensions, int reach, const Visit& visit) {
-    const int depth = dimensions == 3 ? reach : 0;
+void for_lattice(int dimensions, int support_cells, const Visit& visit) {
+    const int depth = dimensions == 3 ? support_cells : 0;
     for (int k = -depth; k <= depth; ++k) {
-        for (int j = -reach; j <= reach; ++j) {
-            for (int i = -reach; i <= reach; ++i) visit(i, j, k);
+        for (int j = -support_cells; j <= support_cells; ++j) {
+            for (int i = -support_cells; i <= support_cells; ++i) visit(i, j, k);
         }
     }
 }
@@ -25,9 +25,9 @@ Lattice compute_lattice_sums(KernelKind kind, int dimensions, double support, do
     Lattice out;
     const NumberKernel number(support, spacing);
     with_kernel(kind, dimensions, support, [&](const auto& kernel) {
-        const int reach = static_cast<int>(std::ceil(support / spacing));
+        const int support_cells = static_cast<int>(std::ceil(support / spacing));
         double gradient = 0, laplacian = 0, diagonal = 0;
-        for_lattice(dimensions, reach, [&](int i, int j, int k) {
+        for_lattice(dimensions, support_cells, [&](int i, int j, int k) {
             const double r = spacing * std::sqrt(double(i * i + j * j + k * k));
             if (r >= support * edge) return;
             out.kernel_sum += kernel.value(r);
@@ -56,11 +56,11 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
     const bool plane = setup.dimensions == 2;
     const double d = setup.spacing, s = setup.wall_spacing;
     PlanarWall out;
-    const int wall_reach = static_cast<int>(std::ceil(setup.support / s)) + 1;
-    const int depth = plane ? 0 : wall_reach;
+    const int wall_support_cells = static_cast<int>(std::ceil(setup.support / s)) + 1;
+    const int depth = plane ? 0 : wall_support_cells;
     double wall_sum = 0;
     for (int k = -depth; k <= depth; ++k) {
-        for (int i = -wall_reach; i <= wall_reach; ++i) {
+        for (int i = -wall_support_cells; i <= wall_support_cells; ++i) {
             const double r = s * std::sqrt(double(i * i + k * k));
             if (r < setup.support * edge) wall_sum += kernel.value(r);
         }
@@ -68,7 +68,7 @@ PlanarWall measure_at(const Kernel& kernel, const WallSetup& setup, double gap, 
     out.wall_volume = 1 / wall_sum;
     double wall_w = 0, wall_n = 0;
     for (int k = -depth; k <= depth; ++k) {
-        for (int i = -wall_reach; i <= wall_reach; ++i) {
+        for (int i = -wall_support_cells; i <= wall_support_cells; ++i) {
             const double x = i * s + u, z = k * s + v;
             const double r = std::sqrt(x * x + gap * gap + (plane ? 0 : z * z));
             if (r >= setup.support * edge) continue;
@@ -136,7 +136,7 @@ double equilibrium_wall_distance(const WallSetup& setup, const DensityOptions& d
     for (int k = 0; k < 60; ++k) {
         const double gap = (lo + hi) / 2;
         const auto wall = measure_aligned(setup, gap);
-        const double zeta = density.spiky_share(wall.wall_neighbours);
+        const double zeta = density.spiky_weight(wall.wall_neighbours);
         const double ratio = (1 - zeta) * wall.density_ratio + zeta * wall.number_ratio;
         (ratio > 1 ? lo : hi) = gap;
     }
@@ -161,11 +161,11 @@ struct LayerSums {
 };
 template <class Kernel>
 LayerSums see_layer(const Kernel& kernel, const WallSetup& setup, double volume, double spacing, double height) {
-    const int reach = static_cast<int>(std::ceil(kernel.h / spacing)) + 1;
-    const int depth = setup.dimensions == 3 ? reach : 0;
+    const int support_cells = static_cast<int>(std::ceil(kernel.h / spacing)) + 1;
+    const int depth = setup.dimensions == 3 ? support_cells : 0;
     LayerSums out;
     for (int k = -depth; k <= depth; ++k) {
-        for (int i = -reach; i <= reach; ++i) {
+        for (int i = -support_cells; i <= support_cells; ++i) {
             const double r = std::sqrt(spacing * spacing * double(i * i + k * k) + height * height);
             if (r >= kernel.h * edge) continue;
             out.push -= volume * kernel.gradient(r) * height;
@@ -193,17 +193,17 @@ Layers see_layers(const Kernel& kernel, const WallSetup& setup, double gap) {
     return out;
 }
 
-// Force on the first layer of liquid between a wall that counts `grip` times and a uniform stress of 1, over that of a
+// Force on the first layer of liquid between a wall that counts `wall_factor` times and a uniform stress of 1, over that of a
 // layer's neighbours on one side: positive towards the wall.
-double layer_imbalance(const Layers& layers, double grip) {
+double layer_imbalance(const Layers& layers, double wall_factor) {
     const auto spread = [&](std::size_t at) {
-        double sum = grip * layers.solid[at].spread;
+        double sum = wall_factor * layers.solid[at].spread;
         for (std::size_t apart = 1; apart < layers.liquid.size(); ++apart) {
             sum += (at >= apart ? 2 : 1) * layers.liquid[apart].spread;
         }
         return sum;
     };
-    double out = grip * layers.gap / (0.5 * layers.spacing) * layers.solid[0].push / spread(0);
+    double out = wall_factor * layers.gap / (0.5 * layers.spacing) * layers.solid[0].push / spread(0);
     for (std::size_t apart = 1; apart < layers.liquid.size(); ++apart) {
         out -= layers.liquid[apart].push * (1 / spread(0) + 1 / spread(apart));
     }
@@ -217,8 +217,8 @@ double wall_viscous_factor(const WallSetup& setup, const DensityOptions& density
     with_kernel(setup.kind, setup.dimensions, viscous_support, [&](const auto& kernel) {
         const Layers layers = see_layers(kernel, setup, gap);
         for (int k = 0; k < 60; ++k) {
-            const double grip = (lo + hi) / 2;
-            (layer_imbalance(layers, grip) > 0 ? hi : lo) = grip;
+            const double wall_factor = (lo + hi) / 2;
+            (layer_imbalance(layers, wall_factor) > 0 ? hi : lo) = wall_factor;
         }
     });
     return (lo + hi) / 2;

@@ -50,12 +50,12 @@ struct MomentReferencePoints {
     }
 
     // Adds c J^T J to the 6 x 6 numbers of a body, J being how its motion moves the point.
-    KOKKOS_INLINE_FUNCTION void add_stiffness(double held[], int body, const double x[3], double c) const {
+    KOKKOS_INLINE_FUNCTION void add_stiffness(double stiffness[], int body, const double x[3], double c) const {
         double a[3];
         arm(body, x, a);
         const double move[6][3] = {
             {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
-        double* of = held + 36 * body;
+        double* of = stiffness + 36 * body;
         for (int k = 0; k < 6; ++k) {
             for (int l = 0; l < 6; ++l) {
                 of[6 * k + l] += c * (move[k][0] * move[l][0] + move[k][1] * move[l][1] + move[k][2] * move[l][2]);

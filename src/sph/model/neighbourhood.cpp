@@ -4,9 +4,9 @@ namespace treacle::sph {
 
 void pack_positions(LiquidParticles& liquid, const Array<double>& number) {
     const int n = liquid.store.total();
-    reserve(liquid.place, static_cast<std::size_t>(n));
+    reserve(liquid.packed_position, static_cast<std::size_t>(n));
     const auto x = liquid.position();
-    const auto to = liquid.place;
+    const auto to = liquid.packed_position;
     Kokkos::parallel_for(
         "treacle::pack_positions", n, KOKKOS_LAMBDA(int i) {
             for (int k = 0; k < 3; ++k) to(i, k) = x(i, k);

@@ -42,8 +42,8 @@ void pack_velocities(LiquidParticles& liquid);
 struct Row {
     const int* index;
     int count;
-    double x, y, z;      // of the particle [m]
-    const double* place; // [particles][4], LiquidParticles::place
+    double x, y, z;                // of the particle [m]
+    const double* packed_position; // [particles][4], LiquidParticles::packed_position
 
     // Differences of positions [m], their square [m2].
     struct Near {
@@ -52,7 +52,7 @@ struct Row {
     };
     // Neighbours from the k-th one on.
     KOKKOS_INLINE_FUNCTION Near near(int k) const {
-        const Quads q = gather_quads(place, index + k);
+        const Quads q = gather_quads(packed_position, index + k);
         const SimdDouble dx = x - q.x, dy = y - q.y, dz = z - q.z;
         return {dx, dy, dz, dx * dx + dy * dy + dz * dz, q.w};
     }
@@ -70,8 +70,8 @@ struct Pairs {
 
     // Number of neighbours of particle i; its row, with the packed positions of the neighbours.
     KOKKOS_INLINE_FUNCTION int count(int i) const { return static_cast<int>(offset(i + 1) - offset(i)); }
-    KOKKOS_INLINE_FUNCTION Row row(int i, const Array4& place) const {
-        return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), place.data()};
+    KOKKOS_INLINE_FUNCTION Row row(int i, const Array4& packed_position) const {
+        return {index.data() + offset(i), count(i), of(i, 0), of(i, 1), of(i, 2), packed_position.data()};
     }
 
     // Calls visit(j, dx, dy, dz, r2) for each neighbour, in the order of the list: differences [m], their square [m2].
@@ -101,7 +101,7 @@ inline Pairs pairs(const NeighbourList& list, const ParticleStore& of, const Par
 struct Fluid {
     Constants constants;
     Pairs liquid, solid;
-    Array4 place, motion;                 // [particles][4] LiquidParticles::place, motion
+    Array4 packed_position, motion;       // [particles][4] LiquidParticles::packed_position, motion
     Array3 velocity;                      // [particles][3] [m/s]
     Array<double> pressure, volume, load; // [particles] [Pa], [m^D], p/rho^2 [Pa m6/kg2]
     Array3 solid_velocity;                // [solids][3] [m/s]
@@ -113,7 +113,7 @@ struct Fluid {
     KOKKOS_INLINE_FUNCTION bool carries(int s) const {
         return constants.conveyors == 0 || solid_body(s) >= constants.conveyors;
     }
-    KOKKOS_INLINE_FUNCTION Row row(int i) const { return liquid.row(i, place); }
+    KOKKOS_INLINE_FUNCTION Row row(int i) const { return liquid.row(i, packed_position); }
     KOKKOS_INLINE_FUNCTION Quads motions(const Row& row, int k) const {
         return gather_quads(motion.data(), row.index + k);
     }
@@ -123,7 +123,7 @@ struct Fluid {
 inline Fluid make_views(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
     const Neighbourhood& neighbours) {
     return {constants, pairs(neighbours.liquid, liquid.store, liquid.store),
-        pairs(neighbours.solid, liquid.store, solid.store), liquid.place, liquid.motion, liquid.velocity(),
+        pairs(neighbours.solid, liquid.store, solid.store), liquid.packed_position, liquid.motion, liquid.velocity(),
         liquid.pressure(), liquid.volume(), liquid.load(), solid.velocity(), solid.volume(), solid.body(),
         liquid.store.owned()};
 }

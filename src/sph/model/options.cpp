@@ -10,7 +10,7 @@ constexpr double least_tolerance = 1e-14;
 const char* const unreachable = "rounding alone leaves about 1e-15";
 const char* const accurate = "1e-10 is very accurate already";
 
-Range reachable(const Range& range) { return range.because(unreachable, accurate); }
+Range attainable(const Range& range) { return range.because(unreachable, accurate); }
 
 // A tolerance, or 0 for the one that goes with the other options.
 void check_tolerance(Declaration& d, const std::string& key, double value) {
@@ -174,10 +174,11 @@ void PressureOptions::declare_stop(Declaration& d) {
         "compress it further, and a second solve moves the particles apart without a velocity; no impact gains energy. "
         "`automatic`: positions with `solver: iisph`, velocities with the others. Positions need `solver: iisph` or "
         "`iisph_jacobi`.");
-    d.check(!recovers_places() || solver == PressureSolver::iisph || solver == PressureSolver::iisph_jacobi, "recovery",
+    d.check(!recovers_positions() || solver == PressureSolver::iisph || solver == PressureSolver::iisph_jacobi,
+        "recovery",
         {"needs solver: iisph or iisph_jacobi", "no other's pressures take energy out of whatever they meet",
             "set the solver too, or leave it out"});
-    d.number("divergence_error", divergence_error, unit::none, reachable(range_at_least(least_tolerance)),
+    d.number("divergence_error", divergence_error, unit::none, attainable(range_at_least(least_tolerance)),
         "Of `dfsph`: mean compression in a step, as a share of the density, that the velocities may have before "
         "forces act.");
     d.number("largest_residual", largest_residual, unit::none, range_between(0, 1),
@@ -186,7 +187,7 @@ void PressureOptions::declare_stop(Declaration& d) {
         "`recovery: positions` "
         "it holds for particles above solids that bear them. 0: 0.1, with `recovery: positions` 0.05.");
     check_tolerance(d, "largest_residual", largest_residual);
-    d.number("residual", residual, unit::none, reachable(range_between(least_tolerance, 1)),
+    d.number("residual", residual, unit::none, attainable(range_between(least_tolerance, 1)),
         "Relative residual at which iterating ends, with `stop: residual`.");
     d.integer("corrections", corrections, range_between(0, 20),
         "Most corrections of the pressures in a step, until the mean compression that they leave by the very forces "
@@ -329,7 +330,7 @@ void SphOptions::declare(Declaration& d) {
     d.block("pressure", pressure, "The pressure solve.");
     d.block(
         "viscosity", viscosity, "The viscosity of the liquids, and numerical viscosity that keeps particles in order.");
-    d.check(viscosity.xsph == 0 || !pressure.recovers_places(), "viscosity.xsph",
+    d.check(viscosity.xsph == 0 || !pressure.recovers_positions(), "viscosity.xsph",
         {"cannot go with pressure.recovery: positions", "either moves particles by more than their velocities",
             "leave one of the two out"});
     d.block("surface_tension", surface_tension, "The surface tension of the liquids against air.");

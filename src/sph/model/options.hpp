@@ -85,7 +85,7 @@ struct DensityOptions {
     double blend_to = 15;  // beta: from which the spiky kernel rules alone
 
     // Share of the spiky kernel's density at a number of solid neighbours (zeta of Eq. 2.3).
-    KOKKOS_INLINE_FUNCTION double spiky_share(double wall_neighbours) const {
+    KOKKOS_INLINE_FUNCTION double spiky_weight(double wall_neighbours) const {
         if (kind != DensityKind::blended) return kind == DensityKind::spiky ? 1.0 : 0.0;
         return math::min(math::max((wall_neighbours - blend_from) / (blend_to - blend_from), 0.0), 1.0);
     }
@@ -135,11 +135,11 @@ struct PressureOptions {
     int max_iterations = 2000; // of one solve; beyond: SimulationError
 
     // Tolerances for the two that are 0: with positions, pressures of the first solve gather no density error.
-    double density_tolerance() const { return density_error > 0 ? density_error : recovers_places() ? 1e-3 : 1e-5; }
+    double density_tolerance() const { return density_error > 0 ? density_error : recovers_positions() ? 1e-3 : 1e-5; }
     double residual_tolerance() const {
-        return largest_residual > 0 ? largest_residual : recovers_places() ? 0.05 : 0.1;
+        return largest_residual > 0 ? largest_residual : recovers_positions() ? 0.05 : 0.1;
     }
-    bool recovers_places() const {
+    bool recovers_positions() const {
         return recovery == DensityRecovery::positions ||
                (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);
     }

@@ -34,9 +34,9 @@ public:
     ParticleStore store; // owned particles, then ghosts
     // Copies of what pair sums read of a neighbour, one load each; of owned and ghost particles. Each loop over pairs
     // writes anew what it reads.
-    Array4 place{"treacle::place", 0};   // x, y, z, and a number that is the loop's: volume or load
-    Array4 motion{"treacle::motion", 0}; // ux, uy, uz, p
-    std::size_t bytes() const { return store.bytes() + 8 * (place.span() + motion.span()); }
+    Array4 packed_position{"treacle::packed_position", 0}; // x, y, z, and a number that is the loop's: volume or load
+    Array4 motion{"treacle::motion", 0};                   // ux, uy, uz, p
+    std::size_t bytes() const { return store.bytes() + 8 * (packed_position.span() + motion.span()); }
 
     // Fields [particles] or [particles][3]: owned particles, then ghosts with what was gathered last.
     const Array3& position() const { return store.position(); }  // [m]
@@ -95,7 +95,7 @@ public:
           reference_normal_(store.add<Array3>("reference_normal", "", FieldRole::state)),
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           diagonal_(store.add<Array<double>>("diagonal", "1/m2", FieldRole::work)),
-          hold_(store.add<Array<double>>("hold", "", FieldRole::work)),
+          dirichlet_fraction_(store.add<Array<double>>("hold", "", FieldRole::work)),
           wetting_(store.add<Array<double>>("wetting", "1/m2", FieldRole::work)),
           role_(store.add<Array<int>>("role", "", FieldRole::work, true)),
           row_(store.add<Array<int>>("row", "", FieldRole::work)) {}
@@ -113,7 +113,7 @@ public:
     // With solids as unknowns (solid_rows.hpp); pressures are 0 without.
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); }
     const Array<double>& diagonal() const { return store.get<Array<double>>(diagonal_); }
-    const Array<double>& hold() const { return store.get<Array<double>>(hold_); }
+    const Array<double>& dirichlet_fraction() const { return store.get<Array<double>>(dirichlet_fraction_); }
     const Array<double>& wetting() const { return store.get<Array<double>>(wetting_); } // wall_slip.hpp
     const Array<int>& role() const { return store.get<Array<int>>(role_); }
     const Array<int>& row() const { return store.get<Array<int>>(row_); }
@@ -124,14 +124,14 @@ public:
     int normal_field() const { return normal_; }
     int velocity_field() const { return velocity_; }
     int pressure_field() const { return pressure_; }
-    int hold_field() const { return hold_; }
+    int dirichlet_fraction_field() const { return dirichlet_fraction_; }
     int wetting_field() const { return wetting_; }
     int role_field() const { return role_; }
     int row_field() const { return row_; }
 
 private:
-    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, hold_, wetting_, role_,
-        row_;
+    int velocity_, volume_, body_, reference_, normal_, reference_normal_, pressure_, diagonal_, dirichlet_fraction_,
+        wetting_, role_, row_;
 };
 
 } // namespace treacle::sph

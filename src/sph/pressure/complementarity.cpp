@@ -16,21 +16,21 @@ std::int64_t Complementarity::anchor(const ComplementarityContext& parts) {
     std::vector<int> before(n);
     const auto role = on_host(liquid.role());
     for (std::size_t i = 0; i < n; ++i) before[i] = role(i);
-    const auto held =
+    const auto pinned =
         parts.pinning.anchor(parts.options, parts.constants, parts.comm, liquid, parts.neighbours, parts.halo);
     const auto after = on_host(liquid.role());
-    held_.assign(n, 0);
-    for (std::size_t i = 0; i < n; ++i) held_[i] = before[i] != after(i);
-    return held;
+    pinned_.assign(n, 0);
+    for (std::size_t i = 0; i < n; ++i) pinned_[i] = before[i] != after(i);
+    return pinned;
 }
 
 std::vector<solve::RowState> Complementarity::states(const LiquidParticles& liquid, const solve::Matrix& matrix) const {
     std::vector<solve::RowState> out(static_cast<std::size_t>(matrix.rows()));
     const auto role = on_host(liquid.role()), row = on_host(liquid.row());
-    for (std::size_t i = 0; i < held_.size(); ++i) {
+    for (std::size_t i = 0; i < pinned_.size(); ++i) {
         if (row(i) < 0) continue;
         auto& state = out[static_cast<std::size_t>(row(i) - matrix.first_row())];
-        state = held_[i] != 0              ? solve::RowState::fixed
+        state = pinned_[i] != 0            ? solve::RowState::fixed
                 : role(i) == Role::poisson ? solve::RowState::free
                                            : solve::RowState::bound;
     }
@@ -43,10 +43,10 @@ void Complementarity::write_roles(
     auto& liquid = parts.liquid;
     const auto role = on_host(liquid.role()), row = on_host(liquid.row());
     const auto gradient = solver_.gradient();
-    for (std::size_t i = 0; i < held_.size(); ++i) {
+    for (std::size_t i = 0; i < pinned_.size(); ++i) {
         if (row(i) < 0) continue;
         const auto r = static_cast<std::size_t>(row(i) - first_row);
-        const bool pressed = host.solution(r) > 0 || (held_[i] != 0 && gradient[r] < 0);
+        const bool pressed = host.solution(r) > 0 || (pinned_[i] != 0 && gradient[r] < 0);
         role(i) = pressed ? Role::poisson : Role::dirichlet;
     }
     Kokkos::deep_copy(liquid.role(), role);
@@ -57,7 +57,7 @@ solve::SolveReport Complementarity::solve(const ComplementarityContext& parts, s
     const PressureSystem::HostSystem& host, const solve::ConvergenceTest& test, std::int64_t& pinned) {
     const auto rows = static_cast<std::size_t>(matrix.rows());
     auto& liquid = parts.liquid;
-    std::vector<int> first(held_.size());
+    std::vector<int> first(pinned_.size());
     {
         const auto role = on_host(liquid.role());
         for (std::size_t i = 0; i < first.size(); ++i) first[i] = role(i);
@@ -78,12 +78,12 @@ solve::SolveReport Complementarity::solve(const ComplementarityContext& parts, s
         const bool singular = total.outcome == solve::Outcome::indefinite_matrix;
         if (!total.converged() && !singular) return total;
         write_roles(parts, host, matrix.first_row());
-        const auto held = held_;
+        const auto previous = pinned_;
         pinned = anchor(parts);
-        if (!parts.comm.any(held != held_)) break;
+        if (!parts.comm.any(previous != pinned_)) break;
         if (round + 1 == most_rounds) {
             if (singular) return total;
-            held_ = held;
+            pinned_ = previous;
             break;
         }
     }

@@ -44,7 +44,7 @@ private:
     std::vector<solve::RowState> states(const LiquidParticles& liquid, const solve::Matrix& matrix) const;
 
     solve::ComplementaritySolver solver_;
-    std::vector<char> held_; // [owned]
+    std::vector<char> pinned_; // [owned]
     std::int64_t misclassified_ = 0;
     int set_changes_ = 0;
 };

@@ -62,7 +62,7 @@ struct JoinLoop {
         const auto& parent = forest.parent;
         if (parent(i) < 0) return;
         const double needed = least_link * diagonal(i);
-        double held = wall(i) > least_anchor * diagonal(i) ? needed : 0;
+        double dirichlet_sum = wall(i) > least_anchor * diagonal(i) ? needed : 0;
         const int count = pairs.count(i);
         const int* around = pairs.index.data() + pairs.offset(i);
         int previous = -1; // neighbours follow one another in their cells: most have just been joined
@@ -70,8 +70,8 @@ struct JoinLoop {
             const SimdInt index = load_ints(around + k), up = gather_ints(parent.data(), index);
             const unsigned all = first_bits(count - k);
             const unsigned fixed = all & bits_below(up, 0);
-            for (unsigned left = fixed; left != 0 && held < needed; left &= left - 1) {
-                held += weight(i, around[k + lowest_bit(left)]);
+            for (unsigned left = fixed; left != 0 && dirichlet_sum < needed; left &= left - 1) {
+                dirichlet_sum += weight(i, around[k + lowest_bit(left)]);
             }
             unsigned apart = all & ~fixed & bits_below(index, i) & ~bits_equal(up, previous);
             for (; apart != 0; apart &= apart - 1) {
@@ -81,7 +81,7 @@ struct JoinLoop {
                 previous = above;
             }
         }
-        has_datum(i) = static_cast<int>(held >= needed);
+        has_datum(i) = static_cast<int>(dirichlet_sum >= needed);
     }
 };
 } // namespace

@@ -85,8 +85,8 @@ struct PredictionLoop {
             const double r = math::sqrt(r2);
             const double g = laplacian.kernel.gradient(r);
             const double vg = fluid.solid_volume(s) * g;
-            const double share = fluid.carries(s) ? 1 : 0;
-            solid += vg * ((ux - share * v(s, 0)) * dx + (uy - share * v(s, 1)) * dy + (uz - share * v(s, 2)) * dz);
+            const double factor = fluid.carries(s) ? 1 : 0;
+            solid += vg * ((ux - factor * v(s, 0)) * dx + (uy - factor * v(s, 1)) * dy + (uz - factor * v(s, 2)) * dz);
             out.solid_weights += laplacian.weight(volume + fluid.solid_volume(s), r2, r) / weight;
             out.wall_vector[0] += vg * dx;
             out.wall_vector[1] += vg * dy;

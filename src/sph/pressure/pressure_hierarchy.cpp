@@ -14,7 +14,7 @@ struct CellHash {
                static_cast<std::size_t>(c[2]) * 83492791u;
     }
 };
-enum Content : unsigned { holds_poisson = 1, holds_dirichlet = 2, holds_solid = 4 };
+enum Content : unsigned { contains_poisson = 1, contains_dirichlet = 2, contains_solid = 4 };
 
 CellGrid finest_grid(const SphOptions& options, const Constants& constants, const CellGrid& search) {
     CellGrid grid = search;
@@ -112,11 +112,11 @@ void PressureHierarchy::find_dirichlet_cells() {
     const auto x = on_host(liquid_->position());
     const auto role = on_host(liquid_->role());
     for (int i = 0; i < liquid_->store.total(); ++i) {
-        if (role(i) == Role::poisson) add(x, i, holds_poisson);
-        if (role(i) == Role::dirichlet) add(x, i, holds_dirichlet);
+        if (role(i) == Role::poisson) add(x, i, contains_poisson);
+        if (role(i) == Role::dirichlet) add(x, i, contains_dirichlet);
     }
     const auto walls = on_host(solid_->position());
-    for (int i = 0; i < solid_->store.total(); ++i) add(walls, i, holds_solid);
+    for (int i = 0; i < solid_->store.total(); ++i) add(walls, i, contains_solid);
     const auto inside = [&](const Cell& c) {
         for (std::size_t k = 0; k < 3; ++k) {
             const double middle = grid_.origin[k] + (c[k] + 0.5) / grid_.inverse_width[k];
@@ -128,8 +128,8 @@ void PressureHierarchy::find_dirichlet_cells() {
     };
     dirichlet_.clear();
     for (const auto& [cell, content] : contents) {
-        if (content & holds_dirichlet) dirichlet_.insert(dirichlet_.end(), cell.begin(), cell.end());
-        if ((content & holds_dirichlet) || !(content & holds_poisson)) continue;
+        if (content & contains_dirichlet) dirichlet_.insert(dirichlet_.end(), cell.begin(), cell.end());
+        if ((content & contains_dirichlet) || !(content & contains_poisson)) continue;
         for (int face = 0; face < 2 * grid_.dimensions; ++face) {
             Cell next = cell;
             next[static_cast<std::size_t>(face / 2)] += face % 2 == 0 ? -1 : 1;

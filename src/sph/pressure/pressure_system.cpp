@@ -48,18 +48,19 @@ void PressureSystem::connect_halo(const Comm& comm, std::initializer_list<RowsOf
     }
     std::sort(columns.begin(), columns.end());
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-    places_.size = static_cast<int>(columns.size());
-    assign(places_.column, columns);
+    column_map_.size = static_cast<int>(columns.size());
+    assign(column_map_.column, columns);
     halo_.connect(comm, first_row_, columns);
 }
 
-void PressureSystem::place_ghosts(const LiquidParticles& liquid) {
-    reserve(ghost_place_, static_cast<std::size_t>(liquid.store.ghosts()));
-    const auto row = liquid.row(), place = ghost_place_;
-    const auto places = places_;
+void PressureSystem::map_ghosts(const LiquidParticles& liquid) {
+    reserve(ghost_column_, static_cast<std::size_t>(liquid.store.ghosts()));
+    const auto row = liquid.row(), ghost_column = ghost_column_;
+    const auto column_map = column_map_;
     const int owned = liquid.store.owned();
     Kokkos::parallel_for(
-        "treacle::place_ghosts", liquid.store.ghosts(), KOKKOS_LAMBDA(int g) { place(g) = places(row(owned + g)); });
+        "treacle::map_ghosts", liquid.store.ghosts(),
+        KOKKOS_LAMBDA(int g) { ghost_column(g) = column_map(row(owned + g)); });
 }
 
 namespace {
@@ -89,9 +90,9 @@ struct FillLoop {
     LaplacianWeight<Kernel> laplacian;
     Liquids liquids;
     Pairs pairs;
-    Array4 place;
+    Array4 packed_position;
     PressureSystem::Block own, other;
-    Array<int> row, ghost_place;
+    Array<int> row, ghost_column;
     Array<double> diagonal, source, pressure, right_hand_side, solution;
     int first, rows, owned;
 
@@ -101,7 +102,7 @@ struct FillLoop {
         RowWriter here{own.column.data() + own.offset(r), own.value.data() + own.offset(r)};
         RowWriter there{other.column.data() + other.offset(r), other.value.data() + other.offset(r)};
         const double volume = laplacian.volume(i);
-        const Row around = pairs.row(i, place);
+        const Row around = pairs.row(i, packed_position);
         const auto partners = liquids.partners(i);
         bool diagonal_written = false, rising = true;
         for (int k = 0; k < around.count; k += lanes) {
@@ -126,7 +127,7 @@ struct FillLoop {
                 here.add_each(inside, column, value);
             }
             if (inside != unknown) {
-                there.add_each(unknown & ~inside, index, value, [&](int j) { return ghost_place(j - owned); });
+                there.add_each(unknown & ~inside, index, value, [&](int j) { return ghost_column(j - owned); });
             }
         }
         if (!diagonal_written) here.add(r, diagonal(i));
@@ -151,7 +152,7 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
     LiquidParticles& liquid, const Neighbourhood& neighbours, Halo& halo) {
     number_rows(options, comm, liquid, halo);
     connect_halo(comm, {{liquid.store, liquid.row()}});
-    place_ghosts(liquid);
+    map_ghosts(liquid);
     count_entries(liquid, neighbours);
     pack_positions(liquid, liquid.volume());
     for (const auto& [block, entries] : {std::pair(&own_, own_entries_), std::pair(&other_, other_entries_)}) {
@@ -166,9 +167,9 @@ void PressureSystem::assemble(const SphOptions& options, const Constants& consta
             using Liquids = std::decay_t<decltype(liquids)>;
             Kokkos::parallel_for("treacle::fill_matrix", liquid.store.owned(),
                 FillLoop<Kernel, Liquids>{laplacian_weight(kernel, constants, liquid), liquids,
-                    pairs(neighbours.liquid, liquid.store, liquid.store), liquid.place, own_, other_, liquid.row(),
-                    ghost_place_, liquid.diagonal(), liquid.source(), liquid.pressure(), right_hand_side_, solution_,
-                    static_cast<int>(first_row_), rows_, liquid.store.owned()});
+                    pairs(neighbours.liquid, liquid.store, liquid.store), liquid.packed_position, own_, other_,
+                    liquid.row(), ghost_column_, liquid.diagonal(), liquid.source(), liquid.pressure(),
+                    right_hand_side_, solution_, static_cast<int>(first_row_), rows_, liquid.store.owned()});
         });
     });
 }
@@ -201,7 +202,7 @@ void PressureSystem::store_pressure(LiquidParticles& liquid) const {
 
 std::size_t PressureSystem::bytes() const {
     std::size_t total = 8 * (right_hand_side_.span() + solution_.span()) + halo_.bytes() +
-                        4 * (ghost_place_.span() + places_.column.span() + halo_columns_.capacity());
+                        4 * (ghost_column_.span() + column_map_.column.span() + halo_columns_.capacity());
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();
     }

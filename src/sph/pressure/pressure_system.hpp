@@ -11,13 +11,13 @@
 namespace treacle::sph {
 
 // The pressure matrix of the Poisson particles, assembled straight into distributed compressed rows: a block of
-// this rank's columns (local numbers) and a block of the other ranks' columns (places in the halo). Columns rise
+// this rank's columns (local numbers) and a block of the other ranks' columns (columns of the halo). Columns rise
 // within a row. The arrays live as long as this object and grow only.
 //     sum_j a_ij (p_i - p_j) + alpha_i p_i = b_i,  p_j = 0 at Dirichlet neighbours
 class PressureSystem {
 public:
-    // Finds the place in the halo of another rank's row, by its global number; a number that is not there gets any.
-    struct HaloPlaces {
+    // Finds the column in the halo of another rank's row, by its global number; a number that is not there gets any.
+    struct HaloColumnMap {
         Array<int> column{"treacle::halo_column", 0}; // rising
         int size = 0;
         KOKKOS_INLINE_FUNCTION int operator()(int global) const {
@@ -101,15 +101,15 @@ public:
         Array<int> row; // [particles] global number, -1: none
     };
     void connect_halo(const Comm& comm, std::initializer_list<RowsOf> particles);
-    void place_ghosts(const LiquidParticles& liquid);
+    void map_ghosts(const LiquidParticles& liquid);
     void count_entries(const LiquidParticles& liquid, const Neighbourhood& neighbours);
 
 private:
     Block own_, other_;
     RowHalo halo_;
     std::vector<int> halo_columns_; // scratch of connect_halo()
-    HaloPlaces places_;
-    Array<int> ghost_place_{"treacle::ghost_place", 0}; // [ghosts] place of the liquid ghost's row in the halo
+    HaloColumnMap column_map_;
+    Array<int> ghost_column_{"treacle::ghost_column", 0}; // [ghosts] column of the liquid ghost's row in the halo
     Array<double> right_hand_side_{"treacle::right_hand_side", 0};
     Array<double> solution_{"treacle::solution", 0};
     int rows_ = 0;

@@ -46,8 +46,8 @@ struct ResponseLoop {
             if (fluid.solid_body(s) != body) return;
             const double f = scale * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
             const double g[3] = {f * dx, f * dy, f * dz};
-            const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
-            points.add(u, body, place, g);
+            const double position[3] = {x(s, 0), x(s, 1), x(s, 2)};
+            points.add(u, body, position, g);
         });
     }
 };

@@ -32,12 +32,12 @@ struct SolidRoleLoop {
     }
 };
 
-// The share of its diagonal by which an unknown solid particle hangs on particles at p = 0.
+// The fraction of its diagonal by which an unknown solid particle is coupled to particles at p = 0.
 template <class Kernel>
-struct SolidHoldLoop {
+struct SolidDirichletLoop {
     LaplacianWeight<Kernel> laplacian;
     Pairs liquid, solid;
-    Array<double> solid_volume, diagonal, hold;
+    Array<double> solid_volume, diagonal, dirichlet_fraction;
     Array<int> liquid_role, role;
 
     KOKKOS_INLINE_FUNCTION void operator()(int s) const {
@@ -50,20 +50,20 @@ struct SolidHoldLoop {
             if (role(t) == Role::poisson) return;
             sum += laplacian.weight(solid_volume(s) + solid_volume(t), r2, math::sqrt(r2));
         });
-        hold(s) = role(s) == Role::poisson ? sum / diagonal(s) : 1.0;
+        dirichlet_fraction(s) = role(s) == Role::poisson ? sum / diagonal(s) : 1.0;
     }
 };
 
 template <class Kernel>
-struct LiquidHoldLoop {
+struct LiquidDirichletLoop {
     LaplacianWeight<Kernel> laplacian;
     Pairs solid;
-    Array<double> solid_volume, hold, wall_term;
+    Array<double> solid_volume, dirichlet_fraction, wall_term;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double sum = 0;
         solid.each(i, [&](int s, double, double, double, double r2) {
-            sum += hold(s) * laplacian.weight(laplacian.volume(i) + solid_volume(s), r2, math::sqrt(r2));
+            sum += dirichlet_fraction(s) * laplacian.weight(laplacian.volume(i) + solid_volume(s), r2, math::sqrt(r2));
         });
         wall_term(i) += sum;
     }
@@ -79,7 +79,7 @@ struct JointLoop {
     Array<double> volume, solid_volume;
     PressureSystem::Block own, other;
     Array<double> diagonal;
-    PressureSystem::HaloPlaces places;
+    PressureSystem::HaloColumnMap column_map;
     int first, rows;
 
     KOKKOS_INLINE_FUNCTION bool mine(int column) const { return column >= first && column < first + rows; }
@@ -111,7 +111,7 @@ struct JointLoop {
             if (mine(c)) {
                 here.add(c - first, a);
             } else {
-                there.add(places(c), a);
+                there.add(column_map(c), a);
             }
         });
     }
@@ -164,12 +164,13 @@ std::int64_t SolidRows::predict(const SphOptions& options, const Constants& cons
         Kokkos::parallel_reduce("treacle::solid_roles", s.store.owned(),
             SolidRoleLoop<Kernel>{laplacian, wet, dry, s.volume(), s.diagonal(), l.role(), s.role()}, unknowns);
         solid_halo.gather(s.store, {s.role_field()});
-        Kokkos::parallel_for("treacle::solid_holds", s.store.owned(),
-            SolidHoldLoop<Kernel>{laplacian, wet, dry, s.volume(), s.diagonal(), s.hold(), l.role(), s.role()});
-        solid_halo.gather(s.store, {s.hold_field()});
-        Kokkos::parallel_for("treacle::liquid_holds", l.store.owned(),
-            LiquidHoldLoop<Kernel>{
-                laplacian, pairs(neighbours.solid, l.store, s.store), s.volume(), s.hold(), l.wall_term()});
+        Kokkos::parallel_for("treacle::solid_dirichlet_fractions", s.store.owned(),
+            SolidDirichletLoop<Kernel>{
+                laplacian, wet, dry, s.volume(), s.diagonal(), s.dirichlet_fraction(), l.role(), s.role()});
+        solid_halo.gather(s.store, {s.dirichlet_fraction_field()});
+        Kokkos::parallel_for("treacle::liquid_dirichlet_fractions", l.store.owned(),
+            LiquidDirichletLoop<Kernel>{laplacian, pairs(neighbours.solid, l.store, s.store), s.volume(),
+                s.dirichlet_fraction(), l.wall_term()});
     });
     return unknowns;
 }
@@ -205,12 +206,12 @@ void PressureSystem::assemble_with_solids(
         const auto rows_of_liquid = [&] {
             return JointLoop<Kernel>{laplacian, pairs(joint.neighbours.liquid, l.store, l.store),
                 pairs(joint.neighbours.solid, l.store, s.store), l.row(), l.row(), s.row(), l.volume(), s.volume(),
-                own_, other_, l.diagonal(), places_, first, rows_};
+                own_, other_, l.diagonal(), column_map_, first, rows_};
         };
         const auto rows_of_solid = [&] {
             return JointLoop<Kernel>{laplacian, pairs(joint.around.liquid, s.store, l.store),
                 pairs(joint.around.solid, s.store, s.store), s.row(), l.row(), s.row(), s.volume(), s.volume(), own_,
-                other_, s.diagonal(), places_, first, rows_};
+                other_, s.diagonal(), column_map_, first, rows_};
         };
         count_rows("treacle::count_liquid_rows", n, rows_of_liquid());
         count_rows("treacle::count_solid_rows", walls, rows_of_solid());

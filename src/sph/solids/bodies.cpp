@@ -84,14 +84,14 @@ void Bodies::set_velocities(const SolidParticles& solid) {
     Kokkos::parallel_for(
         "treacle::solid_velocities", solid.store.total(), KOKKOS_LAMBDA(int s) {
             if (!points.moves(body(s))) return;
-            const double place[3] = {x(s, 0), x(s, 1), x(s, 2)};
+            const double position[3] = {x(s, 0), x(s, 1), x(s, 2)};
             double velocity[3];
-            points.velocity(motion, body(s), place, velocity);
+            points.velocity(motion, body(s), position, velocity);
             for (int k = 0; k < 3; ++k) v(s, k) = velocity[k];
         });
 }
 
-void Bodies::place(const SolidParticles& solid) {
+void Bodies::update_positions(const SolidParticles& solid) {
     if (!any_moves()) return;
     upload();
     const auto points = points_;
@@ -101,7 +101,7 @@ void Bodies::place(const SolidParticles& solid) {
     const auto normal = solid.normal(), reference_normal = solid.reference_normal();
     const auto body = solid.body();
     Kokkos::parallel_for(
-        "treacle::place_solids", solid.store.owned(), KOKKOS_LAMBDA(int s) {
+        "treacle::update_solid_positions", solid.store.owned(), KOKKOS_LAMBDA(int s) {
             if (!points.moves(body(s))) return;
             const double* frame = &frames(static_cast<std::size_t>(body(s)) * frame_width);
             double arm[3];
@@ -114,10 +114,11 @@ void Bodies::place(const SolidParticles& solid) {
                 const double* axes = frame + turn + 3 * k;
                 normal(s, k) = axes[0] * reference_normal(s, 0) + axes[1] * reference_normal(s, 1) +
                                axes[2] * reference_normal(s, 2);
-                double place = points.centre(4 * body(s) + k) + axes[0] * arm[0] + axes[1] * arm[1] + axes[2] * arm[2];
+                double position =
+                    points.centre(4 * body(s) + k) + axes[0] * arm[0] + axes[1] * arm[1] + axes[2] * arm[2];
                 const double period = domain.period[k];
-                if (period > 0) place -= period * math::floor((place - domain.lo[k]) / period);
-                x(s, k) = domain.wrap(k, place);
+                if (period > 0) position -= period * math::floor((position - domain.lo[k]) / period);
+                x(s, k) = domain.wrap(k, position);
             }
         });
 }

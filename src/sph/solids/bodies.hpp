@@ -31,7 +31,7 @@ public:
     // (S4b) Velocities of all particles of bodies that move, ghosts too, from their places.
     void set_velocities(const SolidParticles& solid);
     // (S9b) Places of the owned particles of bodies that move.
-    void place(const SolidParticles& solid);
+    void update_positions(const SolidParticles& solid);
     // Velocity [m/s] and spin [rad/s] of all solids, 6 numbers each; 0 of those that rest. As of set_velocities().
     const Array<double>& motion() const { return motion_; }
     // (S8b) Loads of the bodies among the loads of all solids.

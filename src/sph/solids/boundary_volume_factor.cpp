@@ -6,7 +6,7 @@
 namespace treacle::sph {
 
 namespace {
-constexpr std::size_t most_places = 60; // on the surface, of which the mean is taken
+constexpr std::size_t max_points = 60; // on the surface, of which the mean is taken
 // Liquid that has moved stands closer to a layer than the lattice does: with this factor balls and discs of the
 // liquid's density, of 8 and 12 spacings, stay where they are (src/sph/measurements.md).
 constexpr double disordered_volume_factor = 1.15;
@@ -15,9 +15,9 @@ constexpr int cells_per_spacing = 4; // of the integrals over the liquid
 double apart(const Vec3& a, const Vec3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 template <class Kernel>
-class Places {
+class SurfaceSums {
 public:
-    Places(const Kernel& kernel, const ScaleSetup& setup, const std::vector<Vec3>& layer)
+    SurfaceSums(const Kernel& kernel, const ScaleSetup& setup, const std::vector<Vec3>& layer)
         : kernel_(kernel), setup_(setup), layer_(layer) {}
 
     // Sum of V_s W over the layer.
@@ -69,19 +69,19 @@ private:
 double boundary_volume_factor(
     const ScaleSetup& setup, const scene::SolidRegion& region, const std::vector<Vec3>& layer) {
     const double half = setup.wall.spacing / 2;
-    const auto places = scene::sample_surface(region, {setup.wall.spacing, -half, {}}).positions;
-    const std::size_t stride = std::max<std::size_t>(1, places.size() / most_places);
+    const auto points = scene::sample_surface(region, {setup.wall.spacing, -half, {}}).positions;
+    const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
     double wanted = 0, given = 0;
     with_kernel(setup.wall.kind, setup.wall.dimensions, setup.wall.support, [&](const auto& kernel) {
-        const Places sums(kernel, setup, layer);
+        const SurfaceSums sums(kernel, setup, layer);
         const double plane = sums.liquid({0, half, 0}, [](const Vec3& x) { return x[1] > 0; });
         // Sums of the lattice at a plane where it rests: what the plane's own layer leaves.
         const auto wall = compute_wall_sums(setup.wall, setup.gap);
         const double solid_at_plane = wall.solid_ratio / wall.density_ratio;
-        for (std::size_t k = 0; k < places.size(); k += stride) {
-            const double liquid = sums.liquid(places[k], [&](const Vec3& x) { return region.distance(x) > 0; });
+        for (std::size_t k = 0; k < points.size(); k += stride) {
+            const double liquid = sums.liquid(points[k], [&](const Vec3& x) { return region.distance(x) > 0; });
             wanted += 1 - (1 - solid_at_plane) * liquid / plane;
-            given += sums.solid(places[k]);
+            given += sums.solid(points[k]);
         }
     });
     return disordered_volume_factor * wanted / given;

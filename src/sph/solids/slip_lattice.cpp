@@ -8,12 +8,13 @@ void measure_slip(const WallSetup& wall, const DensityOptions& density, double v
     const double gap = equilibrium_wall_distance(wall, density), d = wall.spacing;
     const auto lattice = compute_lattice_sums(wall.kind, wall.dimensions, wall.support, d);
     constants.wall_volume = compute_wall_sums(wall, gap).wall_volume;
-    const int reach = static_cast<int>(std::ceil(viscous_support / d)), depth = wall.dimensions == 3 ? reach : 0;
+    const int support_cells = static_cast<int>(std::ceil(viscous_support / d)),
+              depth = wall.dimensions == 3 ? support_cells : 0;
     double wetting = 0;
     with_kernel(wall.kind, wall.dimensions, viscous_support, [&](const auto& kernel) {
         for (int k = -depth; k <= depth; ++k) {
-            for (int i = -reach; i <= reach; ++i) {
-                for (int j = 0; j < reach; ++j) {
+            for (int i = -support_cells; i <= support_cells; ++i) {
+                for (int j = 0; j < support_cells; ++j) {
                     const double y = gap + j * d, r = std::sqrt(d * d * double(i * i + k * k) + y * y);
                     if (r < viscous_support) wetting -= lattice.volume * kernel.gradient(r);
                 }

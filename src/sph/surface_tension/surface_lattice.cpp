@@ -13,13 +13,13 @@ struct Layer {
 };
 
 std::vector<Layer> layers_of(const SurfaceSetup& setup) {
-    const int reach = static_cast<int>(std::ceil(setup.support / setup.spacing));
-    const int depth = setup.dimensions == 3 ? reach : 0;
-    std::vector<Layer> out(static_cast<std::size_t>(reach) + 1);
+    const int support_cells = static_cast<int>(std::ceil(setup.support / setup.spacing));
+    const int depth = setup.dimensions == 3 ? support_cells : 0;
+    std::vector<Layer> out(static_cast<std::size_t>(support_cells) + 1);
     with_kernel(setup.kind, setup.dimensions, setup.support, [&](const auto& kernel) {
-        for (int apart = 0; apart <= reach; ++apart) {
+        for (int apart = 0; apart <= support_cells; ++apart) {
             auto& layer = out[static_cast<std::size_t>(apart)];
-            for (int i = -reach; i <= reach; ++i) {
+            for (int i = -support_cells; i <= support_cells; ++i) {
                 for (int k = -depth; k <= depth; ++k) {
                     const double r = setup.spacing * std::sqrt(double(apart * apart + i * i + k * k));
                     if (r >= setup.support) continue;
@@ -35,21 +35,21 @@ std::vector<Layer> layers_of(const SurfaceSetup& setup) {
 
 FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes) {
     const auto layers = layers_of(setup);
-    const auto reach = static_cast<int>(layers.size()) - 1;
+    const auto support_cells = static_cast<int>(layers.size()) - 1;
     const auto at = [&](int apart) -> const Layer& { return layers[static_cast<std::size_t>(std::abs(apart))]; };
-    const int count = (passes + 2) * reach;
+    const int count = (passes + 2) * support_cells;
     double sum = 0;
-    for (int k = -reach; k <= reach; ++k) sum += at(k).value;
+    for (int k = -support_cells; k <= support_cells; ++k) sum += at(k).value;
     std::vector<double> normal(static_cast<std::size_t>(count), 0.0);
-    for (int k = 0; k < reach; ++k) { // the layers below that have none above to balance them
-        for (int apart = k + 1; apart <= reach; ++apart)
+    for (int k = 0; k < support_cells; ++k) { // the layers below that have none above to balance them
+        for (int apart = k + 1; apart <= support_cells; ++apart)
             normal[static_cast<std::size_t>(k)] += at(apart).gradient / sum;
     }
     for (int pass = 0; pass < passes; ++pass) {
         const auto from = normal;
         for (int k = 0; k < count; ++k) {
             double weights = 0, total = 0;
-            for (int l = std::max(0, k - reach); l <= std::min(count - 1, k + reach); ++l) {
+            for (int l = std::max(0, k - support_cells); l <= std::min(count - 1, k + support_cells); ++l) {
                 weights += at(k - l).value;
                 total += at(k - l).value * from[static_cast<std::size_t>(l)];
             }

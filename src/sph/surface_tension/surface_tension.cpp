@@ -12,20 +12,20 @@ namespace {
 // Coefficients by which particles are kept apart: s, and c over d. Cohesion draws neighbours together with 5
 // sigma/(rho0 d^2).
 struct Distance {
-    double strength, reach;
+    double strength, cutoff;
 };
 constexpr Distance distance_of(SurfaceTensionModel model) {
     return model == SurfaceTensionModel::cohesion ? Distance{30, 1} : Distance{1, 0.9};
 }
 // Fraction of the capillary limit, for cohesion, whose forces on a particle are several times sigma/(rho0 d^2).
-constexpr double cohesion_share = 0.2;
+constexpr double cohesion_factor = 0.2;
 
 // Pair forces over the first liquid's mass, into `acceleration`, or added to it.
 template <class Kernel>
 struct PairLoop {
     Kernel kernel;
     Pairs pairs;
-    double cohesion, repulsion, reach;
+    double cohesion, repulsion, cutoff;
     RelativeDensity relative;
     Array3 acceleration;
 
@@ -34,7 +34,7 @@ struct PairLoop {
         pairs.each(i, [&](int, double dx, double dy, double dz, double r2) {
             const double r = math::sqrt(r2);
             double f = cohesion > 0 ? -cohesion * kernel.value(r) : 0;
-            if (r < reach) f += repulsion * (1 - r / reach) / math::max(r, 1e-3 * reach);
+            if (r < cutoff) f += repulsion * (1 - r / cutoff) / math::max(r, 1e-3 * cutoff);
             a[0] += f * dx;
             a[1] += f * dy;
             a[2] += f * dz;
@@ -57,7 +57,7 @@ void set_curvature_forces(
 
 // Sums over the particles of the surface, w = |N|, all over the first liquid's mass.
 struct BalanceLoop : LoadReduction {
-    enum Sum { force, weight = 3, weighted_place, contacts = 7, torque, inertia = 11, sums = 17 };
+    enum Sum { force, weight = 3, weighted_position, contacts = 7, torque, inertia = 11, sums = 17 };
     Array3 position, normal, acceleration;
     Pairs solid;
     RelativeDensity relative;
@@ -73,7 +73,7 @@ struct BalanceLoop : LoadReduction {
         for (int k = 0; k < 3; ++k) {
             const int l = (k + 1) % 3, n = (k + 2) % 3;
             sum[force + k] += m * a[k];
-            sum[weighted_place + k] += m * w * x[k];
+            sum[weighted_position + k] += m * w * x[k];
             sum[torque + k] += m * (x[l] * a[n] - x[n] * a[l]);
             sum[inertia + k] += m * w * (square - x[k] * x[k]); // xx, yy, zz
             sum[inertia + 3 + k] -= m * w * x[l] * x[n];        // yz, xz, xy
@@ -102,7 +102,7 @@ void balance(const StepContext& parts, const SurfaceCurvature& surface, bool tur
     const double weight = sums[Sums::weight];
     if (parts.comm.any(parts.liquid.has_inlets()) || sums[Sums::contacts] > 0 || weight == 0) return;
     std::array<double, 3> centre{};
-    for (std::size_t k = 0; k < 3; ++k) centre[k] = sums[Sums::weighted_place + k] / weight;
+    for (std::size_t k = 0; k < 3; ++k) centre[k] = sums[Sums::weighted_position + k] / weight;
     sums = surface_sums(parts, surface, centre);
     double push[3], turn[3] = {0, 0, 0};
     for (std::size_t k = 0; k < 3; ++k) push[k] = sums[Sums::force + k] / weight;
@@ -156,8 +156,8 @@ void SurfaceTension::accelerate(const StepContext& parts, double dt) {
         Kokkos::parallel_for("treacle::surface_pairs", count,
             PairLoop<Kernel>{kernel, pairs(parts.neighbours.liquid, parts.liquid.store, parts.liquid.store),
                 cohesion_ * c.rest_volume * c.rest_volume / c.mass,
-                apart.strength * tension_ / (c.rest_density * c.spacing * c.spacing), apart.reach * c.spacing, relative,
-                a});
+                apart.strength * tension_ / (c.rest_density * c.spacing * c.spacing), apart.cutoff * c.spacing,
+                relative, a});
     });
     Kokkos::parallel_for(
         "treacle::accelerate_surface", count, KOKKOS_LAMBDA(int i) {
@@ -167,8 +167,8 @@ void SurfaceTension::accelerate(const StepContext& parts, double dt) {
 
 double capillary_step_limit(const SurfaceTensionOptions& options, const Constants& constants, double tension) {
     if (options.model == SurfaceTensionModel::none) return 1e300;
-    const double d = constants.spacing, share = options.model == SurfaceTensionModel::cohesion ? cohesion_share : 1;
-    return share * constants.immiscible.step_share *
+    const double d = constants.spacing, factor = options.model == SurfaceTensionModel::cohesion ? cohesion_factor : 1;
+    return factor * constants.immiscible.time_step_factor *
            std::sqrt(constants.rest_density * d * d * d / (4 * math::pi * tension));
 }
 

@@ -108,7 +108,7 @@ solve::SolveReport ImplicitViscosity::step_explicitly(const ViscousContext& part
     reserve(product_, static_cast<std::size_t>(n));
     operator_.multiply(parts, liquid.velocity_field(), ViscousOperator::Walls::moving, product_);
     const auto inertia = relative_density(parts.constants, liquid);
-    hold_rows(liquid, inertia, liquid.velocity(), product_);
+    constrain_rows(liquid, inertia, liquid.velocity(), product_);
     step_freely(inertia, product_, n, liquid.velocity());
     solve::SolveReport report;
     report.products = 1;
@@ -190,7 +190,7 @@ double ImplicitViscosity::find_residual(Progress& progress, bool nearly) {
     const auto inertia = relative_density(parts.constants, liquid);
     const ViscousContext now{parts, parts.points, parts.friction, moved(progress.bodies)};
     multiply_velocities(now, nearly);
-    hold_rows(liquid, inertia, liquid.velocity(), product_);
+    constrain_rows(liquid, inertia, liquid.velocity(), product_);
     ++progress.report.products;
     last_product_is_of_u_ = !nearly;
     if (body_unknowns_.any()) {
@@ -239,9 +239,9 @@ void ImplicitViscosity::set_up(Progress& progress) {
     if (multilevel_) multilevel_->set_up(parts, operator_);
     if (matrix_) matrix_->assemble(parts, operator_);
     if (body_unknowns_.any()) {
-        auto held = operator_.stiffness(parts);
-        parts.comm.sum(std::span(held));
-        body_unknowns_.factorise(held);
+        auto stiffness = operator_.stiffness(parts);
+        parts.comm.sum(std::span(stiffness));
+        body_unknowns_.factorise(stiffness);
     }
     progress.report.set_up_seconds = seconds_since(start);
 }
@@ -252,7 +252,7 @@ bool ImplicitViscosity::start_from_last_change(Progress& progress, double square
     const int n = parts.liquid.store.owned();
     const auto p = parts.liquid.store.get<Array3>(last_change_);
     operator_.multiply(parts, last_change_, ViscousOperator::Walls::resting, product_);
-    hold_rows(parts.liquid, relative_density(parts.constants, parts.liquid), p, product_);
+    constrain_rows(parts.liquid, relative_density(parts.constants, parts.liquid), p, product_);
     ++progress.report.products;
     std::array<double, 2> sums{dot(p, product_, n), dot(p, residual_, n)};
     parts.comm.sum(std::span(sums));
@@ -310,12 +310,12 @@ double ImplicitViscosity::multiply_directions(
     const int n = parts.liquid.store.owned();
     if (!body_unknowns_.any()) {
         multiply(parts, direction_, Walls::resting, nearly);
-        hold_rows(parts.liquid, inertia, p, product_);
+        constrain_rows(parts.liquid, inertia, p, product_);
         return parts.comm.sum(dot(p, product_, n));
     }
     const ViscousContext trial{parts, parts.points, parts.friction, body_unknowns_.trial(body_.direction)};
     multiply(trial, direction_, Walls::moving, nearly);
-    hold_rows(parts.liquid, inertia, p, product_);
+    constrain_rows(parts.liquid, inertia, p, product_);
     body_product = body_.direction;
     add(body_product, -1, pull(trial));
     return parts.comm.sum(dot(p, product_, n)) + dot(body_.direction, body_product);
@@ -324,7 +324,7 @@ double ImplicitViscosity::multiply_directions(
 // z = M r of particles and bodies, where C p was, which is in r by now; returns this rank's r.z of the particles.
 double ImplicitViscosity::precondition(const LiquidParticles& liquid) {
     const double product = precondition(liquid, residual_, product_); // buffer particles have no residual
-    clear_held(liquid, product_);
+    clear_prescribed(liquid, product_);
     if (body_unknowns_.any()) body_.scaled = body_unknowns_.precondition(body_.residual);
     return product;
 }

@@ -41,7 +41,7 @@ std::optional<Quantity> read_number_and_unit(const std::string& text) {
 }
 
 void Parameter::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name of the column; by default the last part of the key.");
     d.text("key", key, "Where the value stands in the scenes, as for --set: liquids.syrup.viscosity.");
     d.required("key");
@@ -120,17 +120,17 @@ std::optional<double> Parameter::number(const std::string& word) const {
     return quantity->value;
 }
 
-double Parameter::at(double share) const {
-    if (share <= 0) return lower;
-    if (share >= 1) return upper;
-    return plain_number(
-        scale == Scale::linear ? lower + share * (upper - lower) : lower * std::exp(share * std::log(upper / lower)));
+double Parameter::at(double fraction) const {
+    if (fraction <= 0) return lower;
+    if (fraction >= 1) return upper;
+    return plain_number(scale == Scale::linear ? lower + fraction * (upper - lower)
+                                               : lower * std::exp(fraction * std::log(upper / lower)));
 }
 
 std::string Parameter::column() const { return name + (unit.empty() ? "" : " [" + unit + "]"); }
 
 void Measured::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name in reports; by default the last part of the key.");
     d.text("key", key, "Where the value stands in the scenes: liquids.syrup.density.");
     d.required("key");

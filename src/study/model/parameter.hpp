@@ -45,8 +45,8 @@ struct Parameter {
     std::string word(double value) const;
     // The number of such a word; nothing for words that are none.
     std::optional<double> number(const std::string& word) const;
-    // The value at a share in [0, 1] of the way from the lower to the upper end, on the parameter's scale, to 12 digits.
-    double at(double share) const;
+    // The value at a fraction in [0, 1] of the way from the lower to the upper end, on the parameter's scale, to 12 digits.
+    double at(double fraction) const;
     // "viscosity [Pa.s]"
     std::string column() const;
 

@@ -26,8 +26,8 @@ double value_at(const std::vector<double>& times, const std::vector<double>& val
     const auto next = std::size_t(std::ranges::lower_bound(times, time) - times.begin());
     if (next == 0) return values.front();
     if (next == times.size()) return values.back();
-    const double share = (time - times[next - 1]) / (times[next] - times[next - 1]);
-    return values[next - 1] + share * (values[next] - values[next - 1]);
+    const double fraction = (time - times[next - 1]) / (times[next] - times[next - 1]);
+    return values[next - 1] + fraction * (values[next] - values[next - 1]);
 }
 
 // "front [m]" of "front": the unit of the column that is read.
@@ -90,8 +90,8 @@ std::vector<Figure> read_figures(const Study& study, const std::filesystem::path
                 close ? "did you mean " + *close + "?" : "its columns are " + join(source.names, ", ")});
         }
         const auto& values = source.column(column);
-        const auto place = std::size_t(&values - source.values.data());
-        figures.push_back({with_unit_of(reading.name, source.names[place]),
+        const auto index = std::size_t(&values - source.values.data());
+        figures.push_back({with_unit_of(reading.name, source.names[index]),
             statistic(source.column("time"), values, reading.at, reading.time)});
     }
     return figures;

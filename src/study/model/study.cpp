@@ -26,7 +26,7 @@ void check_names(Declaration& d, const std::string& key, const std::vector<T>& i
 } // namespace
 
 void StudyScene::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name in tables; by default that of the file's folder or of the file.");
     d.text("file", file, "The scene's file, beside the study's or with its whole path.");
     d.required("file");
@@ -38,7 +38,7 @@ void StudyScene::declare(Declaration& d) {
 }
 
 void Reading::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.text("name", name, "Name of the figure; by default that of the measurement or column.");
     d.text("measurement", measurement, "Name of one of the scene's measurements.");
     d.text("table", table, "Or a table of the run: steps, bodies or measurements.");
@@ -73,7 +73,7 @@ void RunOptions::declare(Declaration& d) {
     d.text("launcher", launcher,
         "Command in front of each run, {ranks} stands for their number: srun --exact -n {ranks}. By default "
         "none for one rank, and mpiexec for more.");
-    if (d.parsing()) launcher_where = d.place_of("launcher");
+    if (d.parsing()) launcher_where = d.location_of("launcher");
     d.number("time_limit", time_limit, unit::time, range_at_least(0),
         "Time of the clock after which a run is ended and counts as failed; 0: none.");
     d.number("memory", memory, unit::none, range_at_least(0),
@@ -103,7 +103,7 @@ std::vector<std::string> RunOptions::launch_words() const {
 }
 
 void Sweep::declare(Declaration& d) {
-    if (d.parsing()) where = d.place();
+    if (d.parsing()) where = d.location();
     d.choice<Design>("design", design,
         {{"none", Design::none}, {"grid", Design::grid}, {"list", Design::list}, {"file", Design::file},
             {"latin_hypercube", Design::latin_hypercube}, {"sobol", Design::sobol}},
@@ -143,10 +143,10 @@ void Study::declare(Declaration& d) {
     check_names(d, "measured", measured, [](const Measured& m) { return m.name; });
     if (d.parsing()) {
         std::map<std::string, std::string> keys;
-        const auto check_key = [&](const std::string& block, const std::string& key, const std::string& place) {
-            const auto [earlier, fresh] = keys.emplace(key, place);
+        const auto check_key = [&](const std::string& block, const std::string& key, const std::string& location) {
+            const auto [earlier, fresh] = keys.emplace(key, location);
             d.check(fresh, block,
-                {"must have keys that differ", place + ": " + key + " is set at " + earlier->second + " too",
+                {"must have keys that differ", location + ": " + key + " is set at " + earlier->second + " too",
                     "a value of the scene can be set once"});
         };
         for (const auto& one : parameters) check_key("parameters", one.key, one.where);

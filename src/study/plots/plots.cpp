@@ -21,11 +21,11 @@ std::vector<ChartSeries> series_of(const Study& study, const Table& table, const
     const auto xs = numbers_of(table, x), ys = numbers_of(table, y);
     if (study.scenes.size() == 1) return {{"", xs, ys, false}};
     std::vector<ChartSeries> out;
-    const auto place = std::size_t(std::ranges::find(table.header, "scene") - table.header.begin());
+    const auto index = std::size_t(std::ranges::find(table.header, "scene") - table.header.begin());
     for (const auto& scene : study.scenes) {
         out.push_back({scene.name, {}, {}, false});
         for (std::size_t i = 0; i < table.rows.size(); ++i) {
-            if (table.rows[i][place] != scene.name) continue;
+            if (table.rows[i][index] != scene.name) continue;
             out.back().x.push_back(xs[i]);
             out.back().y.push_back(ys[i]);
         }

@@ -95,10 +95,10 @@ void write_table(const std::filesystem::path& path, const Table& table) {
 }
 
 std::vector<double> numbers_of(const Table& table, const std::string& column) {
-    const auto place = std::size_t(std::ranges::find(table.header, column) - table.header.begin());
+    const auto index = std::size_t(std::ranges::find(table.header, column) - table.header.begin());
     std::vector<double> out;
     for (const auto& row : table.rows)
-        out.push_back(read_number(row.at(place)).value_or(std::numeric_limits<double>::quiet_NaN()));
+        out.push_back(read_number(row.at(index)).value_or(std::numeric_limits<double>::quiet_NaN()));
     return out;
 }
 

@@ -111,15 +111,16 @@ constexpr int block_edge = tile_edge + 2 * most_taps; // nodes that a tile's are
 
 struct Taps {
     double weight[3][2 * most_taps + 1];
-    int reach[3];
+    int half_width[3];
 
     Taps(const Lattice& lattice, double h) {
         for (int k = 0; k < 3; ++k) {
             const double to_h = lattice.step[k] / h;
-            reach[k] = k < lattice.dimensions ? std::min(most_taps, static_cast<int>(std::ceil(2 / to_h)) - 1) : 0;
+            half_width[k] = k < lattice.dimensions ? std::min(most_taps, static_cast<int>(std::ceil(2 / to_h)) - 1) : 0;
             double sum = 0;
-            for (int m = -reach[k]; m <= reach[k]; ++m) sum += weight[k][m + reach[k]] = cubic_spline(m * to_h);
-            for (int m = 0; m <= 2 * reach[k]; ++m) weight[k][m] /= sum;
+            for (int m = -half_width[k]; m <= half_width[k]; ++m)
+                sum += weight[k][m + half_width[k]] = cubic_spline(m * to_h);
+            for (int m = 0; m <= 2 * half_width[k]; ++m) weight[k][m] /= sum;
         }
     }
 };
@@ -134,30 +135,30 @@ KOKKOS_INLINE_FUNCTION int mirrored(const Lattice& l, int axis, int node) {
 struct LineReader {
     NodeField field;
     Lattice lattice;
-    int reach;
+    int half_width;
     double width;
 
-    // The smoothed indicator of a line of nodes along x, from `reach` before a tile to `reach` behind it.
+    // The smoothed indicator of a line of nodes along x, from `half_width` before a tile to `half_width` behind it.
     KOKKOS_INLINE_FUNCTION void read(int tile, int y, int z, double* line) const {
-        const bool plain = (!lattice.mirror[0][0] || tile_edge * tile - reach >= lattice.lo[0]) &&
-                           (!lattice.mirror[1][0] || tile_edge * (tile + 1) + reach - 1 <= lattice.hi[0]);
-        const int count = tile_edge + 2 * reach;
+        const bool plain = (!lattice.mirror[0][0] || tile_edge * tile - half_width >= lattice.lo[0]) &&
+                           (!lattice.mirror[1][0] || tile_edge * (tile + 1) + half_width - 1 <= lattice.hi[0]);
+        const int count = tile_edge + 2 * half_width;
         if (plain) {
             for (int t = tile - 1; t <= tile + 1; ++t) {
                 const int node[3] = {tile_edge * t, y, z};
                 const int s = field.slot(node);
-                const int begin = math::max(0, tile_edge * (t - tile) + reach);
-                const int end = math::min(count, tile_edge * (t - tile + 1) + reach);
+                const int begin = math::max(0, tile_edge * (t - tile) + half_width);
+                const int end = math::min(count, tile_edge * (t - tile + 1) + half_width);
                 if (s < 0) {
                     for (int i = begin; i < end; ++i) line[i] = s == tile_full ? far : -far;
                 } else {
                     const double* from = &field.value(std::int64_t(s) * field.nodes() + field.local(node));
-                    for (int i = begin; i < end; ++i) line[i] = from[i - reach - tile_edge * (t - tile)];
+                    for (int i = begin; i < end; ++i) line[i] = from[i - half_width - tile_edge * (t - tile)];
                 }
             }
         } else {
             for (int i = 0; i < count; ++i) {
-                const int node[3] = {mirrored(lattice, 0, tile_edge * tile + i - reach), y, z};
+                const int node[3] = {mirrored(lattice, 0, tile_edge * tile + i - half_width), y, z};
                 line[i] = field.at(node);
             }
         }
@@ -176,13 +177,13 @@ void ImplicitFunction::deconvolve(const Lattice& lattice, const Options& options
     const auto fraction = fraction_, next = next_;
     const auto own = own_slots_, tiles = tiles_;
     const auto l = lattice;
-    const LineReader reader{field_, lattice, taps.reach[0], options.interface_width};
+    const LineReader reader{field_, lattice, taps.half_width[0], options.interface_width};
     Kokkos::parallel_for(
         "treacle::deconvolve", own_, KOKKOS_LAMBDA(int item) {
             const int s = own(item);
             int c[3];
             field.window.cell(tiles(s), c);
-            const int rx = taps.reach[0], ry = taps.reach[1], rz = taps.reach[2];
+            const int rx = taps.half_width[0], ry = taps.half_width[1], rz = taps.half_width[2];
             double planes[block_edge][tile_edge][tile_edge]; // filtered along x and y
             for (int z = 0; z < depth + 2 * rz; ++z) {
                 double rows[block_edge][tile_edge]; // filtered along x

@@ -98,9 +98,9 @@ void PointBuilder::locate_points(const Lattice& lattice, const CellBox& window) 
             bool inside = true;
             for (int k = 0; k < lattice_here.dimensions; ++k) {
                 const double along = (x[k] - lattice_here.grid.origin[k]) / (2 * lattice_here.step[k]);
-                int place = static_cast<int>(math::floor(along));
-                c[k] = place >> 2;
-                b[k] = place & 3;
+                int node = static_cast<int>(math::floor(along));
+                c[k] = node >> 2;
+                b[k] = node & 3;
                 inside = inside && c[k] >= window.lo[k] && c[k] < window.hi[k];
             }
             slot(i) = inside ? window.index(c[0], c[1], c[2]) : -1;
@@ -148,13 +148,13 @@ void PointBuilder::sort_into_bins(int per_tile) {
 
 void PointBuilder::pack_points(const Lattice& lattice) {
     auto& p = points_;
-    for (auto& place : p.place) reserve(place, static_cast<std::size_t>(p.count));
+    for (auto& position : p.position) reserve(position, static_cast<std::size_t>(p.count));
     reserve(p.row, static_cast<std::size_t>(p.count));
     reserve(p.original, static_cast<std::size_t>(p.count));
     reserve(p.liquid, static_cast<std::size_t>(p.count));
     const auto order = order_;
     const auto x0 = x_[0], x1 = x_[1], x2 = x_[2];
-    const auto q0 = p.place[0], q1 = p.place[1], q2 = p.place[2];
+    const auto q0 = p.position[0], q1 = p.position[1], q2 = p.position[2];
     const auto row = p.row, original = p.original, liquid = p.liquid, liquid_of_row = liquid_of_row_;
     const auto source = source_;
     const auto image = image_;
@@ -180,13 +180,13 @@ void PointBuilder::order_bins() {
         "treacle::order_bins", bins_, KOKKOS_LAMBDA(int b) {
             for (int k = begin(b) + 1; k < begin(b + 1); ++k) {
                 const int moved = order(k);
-                int place = k;
-                for (; place > begin(b); --place) {
-                    const int other = order(place - 1);
+                int slot = k;
+                for (; slot > begin(b); --slot) {
+                    const int other = order(slot - 1);
                     if (id(other) < id(moved) || (id(other) == id(moved) && image(other) <= image(moved))) break;
-                    order(place) = other;
+                    order(slot) = other;
                 }
-                order(place) = moved;
+                order(slot) = moved;
             }
         });
 }

@@ -8,13 +8,13 @@ namespace treacle::surface {
 // images behind walls and in solids. Sorted into bins of two lattice cells, bin by bin of each tile; within a bin by id
 // and image, so that sums have the same order on any number of ranks.
 struct Points {
-    CellBox window;         // tiles
-    Array<int> tile;        // [tiles of window] number among the tiles that hold points, -1: none
-    Array<int> begin;       // [tiles with points * bins + 1] first point of each bin
-    Array<double> place[3]; // [points] position in lattice steps from the grid's first node
-    Array<int> row;         // [points] row of the particle in its store
-    Array<int> original;    // [points] 0: an image
-    Array<int> liquid;      // [points]
+    CellBox window;            // tiles
+    Array<int> tile;           // [tiles of window] number among the tiles that hold points, -1: none
+    Array<int> begin;          // [tiles with points * bins + 1] first point of each bin
+    Array<double> position[3]; // [points] position in lattice steps from the grid's first node
+    Array<int> row;            // [points] row of the particle in its store
+    Array<int> original;       // [points] 0: an image
+    Array<int> liquid;         // [points]
     int count = 0;
     int tiles = 0; // that hold points
 };

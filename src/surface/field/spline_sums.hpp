@@ -6,23 +6,23 @@ namespace treacle::surface {
 
 // (SF1) Sums of products of cubic B-splines along the axes over the points around a tile, at its nodes.
 struct SplineSums {
-    double to_h[3] = {0, 0, 0};  // lattice steps in widths of the spline
-    double reach[3] = {0, 0, 0}; // of a point, in lattice steps
+    double to_h[3] = {0, 0, 0};           // lattice steps in widths of the spline
+    double support_radius[3] = {0, 0, 0}; // of a point, in lattice steps
     int dimensions = 3;
 
     // `width` h of the spline [m]; its support radius is 2 h.
     SplineSums(const Lattice& lattice, double width) : dimensions(lattice.dimensions) {
         for (int k = 0; k < dimensions; ++k) {
             to_h[k] = lattice.step[k] / width;
-            reach[k] = 2 / to_h[k];
+            support_radius[k] = 2 / to_h[k];
         }
     }
 
     // First node of a tile within a point's reach along an axis, and the end of those; `from` is the tile's first node less the
-    // point's place.
+    // point's position.
     KOKKOS_INLINE_FUNCTION void within(int axis, double from, int& begin, int& end) const {
-        begin = math::max(0, -static_cast<int>(math::floor(reach[axis] + from)));
-        end = math::min(tile_edge, static_cast<int>(math::floor(reach[axis] - from)) + 1);
+        begin = math::max(0, -static_cast<int>(math::floor(support_radius[axis] + from)));
+        end = math::min(tile_edge, static_cast<int>(math::floor(support_radius[axis] - from)) + 1);
     }
 
     // Adds to sum[8 or 1][8][8] for the points with keep(number).
@@ -32,8 +32,8 @@ struct SplineSums {
         const int per_tile = dimensions == 3 ? bins_edge * bins_edge * bins_edge : bins_edge * bins_edge;
         int first[3] = {0, 0, 0}, last[3] = {0, 0, 0}; // bins
         for (int k = 0; k < dimensions; ++k) {
-            first[k] = static_cast<int>(math::floor((tile_edge * c[k] - reach[k]) / 2));
-            last[k] = static_cast<int>(math::floor((tile_edge * (c[k] + 1) - 1 + reach[k]) / 2));
+            first[k] = static_cast<int>(math::floor((tile_edge * c[k] - support_radius[k]) / 2));
+            last[k] = static_cast<int>(math::floor((tile_edge * (c[k] + 1) - 1 + support_radius[k]) / 2));
         }
         for (int bz = first[2]; bz <= last[2]; ++bz) {
             for (int by = first[1]; by <= last[1]; ++by) {
@@ -56,8 +56,8 @@ struct SplineSums {
 
 private:
     KOKKOS_INLINE_FUNCTION void add_point(const Points& p, const int c[3], int i, double* sum) const {
-        const double x = tile_edge * c[0] - p.place[0](i), y = tile_edge * c[1] - p.place[1](i);
-        const double z = dimensions == 3 ? tile_edge * c[2] - p.place[2](i) : 0;
+        const double x = tile_edge * c[0] - p.position[0](i), y = tile_edge * c[1] - p.position[1](i);
+        const double z = dimensions == 3 ? tile_edge * c[2] - p.position[2](i) : 0;
         int y_begin, y_end, z_begin = 0, z_end = 1;
         within(1, y, y_begin, y_end);
         if (dimensions == 3) within(2, z, z_begin, z_end);

@@ -84,9 +84,9 @@ struct AttributeLoop {
                     const int end = points.begin(row + math::min(last[0] - 4 * tx, 3) + 1);
                     for (int i = begin; i < end; ++i) {
                         if (points.original(i) == 0) continue;
-                        double w = cubic_spline((x[0] - points.place[0](i)) * to_h[0]) *
-                                   cubic_spline((x[1] - points.place[1](i)) * to_h[1]);
-                        if (dimensions == 3) w *= cubic_spline((x[2] - points.place[2](i)) * to_h[2]);
+                        double w = cubic_spline((x[0] - points.position[0](i)) * to_h[0]) *
+                                   cubic_spline((x[1] - points.position[1](i)) * to_h[1]);
+                        if (dimensions == 3) w *= cubic_spline((x[2] - points.position[2](i)) * to_h[2]);
                         if (w != 0) sums.add(from, points.row(i), w);
                     }
                 }

@@ -36,10 +36,10 @@ VertexOwners::VertexOwners(const Decomposition& decomposition, const Lattice& la
 }
 
 int VertexOwners::owner(std::int64_t key) const {
-    int place[3], tile[3] = {0, 0, 0};
-    for (int k = 0; k < 3; ++k) place[k] = static_cast<int>((key >> (21 * k)) & ((1 << 21) - 1)) - (1 << 20);
+    int fine[3], tile[3] = {0, 0, 0};
+    for (int k = 0; k < 3; ++k) fine[k] = static_cast<int>((key >> (21 * k)) & ((1 << 21) - 1)) - (1 << 20);
     for (int k = 0; k < lattice_.dimensions; ++k) {
-        const int node = floor_divide(place[k], 2) - tile_edge * lattice_.base[k];
+        const int node = floor_divide(fine[k], 2) - tile_edge * lattice_.base[k];
         tile[k] = std::clamp(floor_divide(node, tile_edge), 0, lattice_.grid.count[k] - 1);
     }
     if (decomposition_.box().contains(tile)) return decomposition_.comm().rank();

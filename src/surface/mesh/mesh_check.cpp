@@ -36,7 +36,7 @@ bool is_flat(const Mesh& mesh, const std::array<int, 3>& t) {
 }
 
 // Each spoke to the rank that checks its vertex.
-std::vector<Spoke> share_out(const Comm& comm, const std::vector<std::vector<Spoke>>& outgoing) {
+std::vector<Spoke> exchange_spokes(const Comm& comm, const std::vector<std::vector<Spoke>>& outgoing) {
     std::vector<Message> messages;
     for (std::size_t rank = 0; rank < outgoing.size(); ++rank) {
         if (outgoing[rank].empty()) continue;
@@ -78,10 +78,10 @@ void look_at(std::span<const Spoke> spokes, MeshFaults& faults) {
 }
 
 void look_at_plane(std::span<const Spoke> spokes, MeshFaults& faults) {
-    const auto reached = std::count_if(spokes.begin(), spokes.end(), [](const Spoke& s) { return s.to < 0; });
-    const auto left = std::ssize(spokes) - reached;
-    faults.open += std::abs(reached - left);
-    if (reached == left && reached > 1) ++faults.pinched;
+    const auto ends = std::count_if(spokes.begin(), spokes.end(), [](const Spoke& s) { return s.to < 0; });
+    const auto left = std::ssize(spokes) - ends;
+    faults.open += std::abs(ends - left);
+    if (ends == left && ends > 1) ++faults.pinched;
 }
 } // namespace
 
@@ -101,7 +101,7 @@ MeshFaults check_mesh(const Comm& comm, const Mesh& mesh) {
         }
         for (std::size_t k = 0; k < 3; ++k) add(number(k), number((k + 1) % 3), number((k + 2) % 3));
     }
-    auto spokes = share_out(comm, outgoing);
+    auto spokes = exchange_spokes(comm, outgoing);
     std::sort(spokes.begin(), spokes.end());
     for (std::size_t begin = 0; begin < spokes.size();) {
         auto end = begin;

@@ -56,10 +56,10 @@ Mesher::~Mesher() = default;
 // True when a particle counts for nodes of the domain. Those that do not are farther behind a cut than the kernel
 // reaches.
 bool Mesher::near_domain(const double* position) const {
-    const double reach = 2 * options_.kernel_width * options_.spacing;
+    const double support_radius = 2 * options_.kernel_width * options_.spacing;
     for (std::size_t k = 0; k < static_cast<std::size_t>(domain_.dimensions); ++k) {
-        if (domain_.sides[2 * k] == Side::cut && position[k] < domain_.min[k] - reach) return false;
-        if (domain_.sides[2 * k + 1] == Side::cut && position[k] > domain_.max[k] + reach) return false;
+        if (domain_.sides[2 * k] == Side::cut && position[k] < domain_.min[k] - support_radius) return false;
+        if (domain_.sides[2 * k + 1] == Side::cut && position[k] > domain_.max[k] + support_radius) return false;
     }
     return true;
 }

@@ -5,16 +5,16 @@
 
 namespace treacle::surface {
 
-void add_image(std::vector<double>& rows, std::size_t axis, double twice_place) {
+void add_image(std::vector<double>& rows, std::size_t axis, double twice_position) {
     const auto size = rows.size();
     add_image(rows);
-    for (auto i = size + axis; i < rows.size(); i += 3) rows[i] = twice_place - rows[i];
+    for (auto i = size + axis; i < rows.size(); i += 3) rows[i] = twice_position - rows[i];
 }
 
 void add_images(Mesh& mesh, const std::vector<scene::MirrorPlane>& planes) {
     for (const auto& plane : planes) {
         const int vertices = int(mesh.size());
-        add_image(mesh.vertices, plane.axis, 2 * plane.place);
+        add_image(mesh.vertices, plane.axis, 2 * plane.position);
         add_image(mesh.normals, plane.axis, 0);
         add_image(mesh.velocity, plane.axis, 0);
         add_image(mesh.pressure);

@@ -12,8 +12,8 @@ namespace treacle::surface {
 // itself, and keys, numbers among all ranks and totals stay those of the first.
 void add_images(Mesh& mesh, const std::vector<scene::MirrorPlane>& planes);
 
-// The same for rows [n][3]: `twice_place` is twice the plane's place of points [m], and 0 of vectors; and for rows of any other kind.
-void add_image(std::vector<double>& rows, std::size_t axis, double twice_place);
+// The same for rows [n][3]: `twice_position` is twice the plane's position for points [m], and 0 of vectors; and for rows of any other kind.
+void add_image(std::vector<double>& rows, std::size_t axis, double twice_position);
 template <class T>
 void add_image(std::vector<T>& rows) {
     const auto size = rows.size();

@@ -31,9 +31,9 @@ void Smoothing::link(const Patch& patch) {
             const int begin = v == 0 ? 0 : offsets(v - 1);
             for (int k = begin + 1; k < offsets(v); ++k) {
                 const int moved = stars(k);
-                int place = k;
-                for (; place > begin && stars(place - 1) > moved; --place) stars(place) = stars(place - 1);
-                stars(place) = moved;
+                int slot = k;
+                for (; slot > begin && stars(slot - 1) > moved; --slot) stars(slot) = stars(slot - 1);
+                stars(slot) = moved;
             }
         });
 }

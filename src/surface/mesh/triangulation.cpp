@@ -23,9 +23,9 @@ KOKKOS_INLINE_FUNCTION int bits_below(int mask, int bit) {
 
 KOKKOS_INLINE_FUNCTION int cells_per_slot(int dimensions) { return dimensions == 3 ? 729 : 81; }
 
-KOKKOS_INLINE_FUNCTION std::int64_t pack_key(const int place[3]) {
+KOKKOS_INLINE_FUNCTION std::int64_t pack_key(const int node[3]) {
     constexpr std::int64_t half = LatticeKey::half;
-    return (place[0] + half) | (place[1] + half) << 21 | (place[2] + half) << 42;
+    return (node[0] + half) | (node[1] + half) << 21 | (node[2] + half) << 42;
 }
 } // namespace
 
@@ -149,7 +149,7 @@ void Triangulation::mark_centres(const View& view, const Array<int>& tiles, int 
         });
 }
 
-void Triangulation::place_vertices(const View& view, const ImplicitFunction& function) {
+void Triangulation::compute_vertices(const View& view, const ImplicitFunction& function) {
     const int nodes = view.field.nodes();
     const auto mask = mask_, first = first_;
     const auto tiles = function.tiles();
@@ -159,7 +159,7 @@ void Triangulation::place_vertices(const View& view, const ImplicitFunction& fun
     const auto key = patch_.key;
     const auto fixed = patch_.fixed;
     Kokkos::parallel_for(
-        "treacle::place_vertices", std::int64_t(function.slots()) * nodes, KOKKOS_LAMBDA(std::int64_t at) {
+        "treacle::compute_vertices", std::int64_t(function.slots()) * nodes, KOKKOS_LAMBDA(std::int64_t at) {
             const int bits = mask(at);
             if (bits == 0) return;
             const auto& l = view.lattice;
@@ -256,13 +256,13 @@ KOKKOS_INLINE_FUNCTION void for_each_segment(const Triangulation::View& view, co
 } // namespace
 
 // The centre vertex lies in the middle of its polygon.
-void Triangulation::place_centres(const View& view, const Array<int>& tiles, int slots) {
+void Triangulation::compute_centres(const View& view, const Array<int>& tiles, int slots) {
     if (view.lattice.dimensions == 2) return;
     const int per_slot = cells_per_slot(3);
     const auto mask = mask_;
     const auto position = patch_.position;
     Kokkos::parallel_for(
-        "treacle::place_centres", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
+        "treacle::compute_centres", std::int64_t(slots) * per_slot, KOKKOS_LAMBDA(std::int64_t item) {
             int tile[3], c[3];
             view.field.window.cell(tiles(static_cast<int>(item / per_slot)), tile);
             if (!view.cell(tile, static_cast<int>(item % per_slot), c) || view.lattice.outside(c)) return;
@@ -380,8 +380,8 @@ const Patch& Triangulation::build(
     reserve(patch_.key, static_cast<std::size_t>(patch_.vertices));
     reserve(patch_.fixed, static_cast<std::size_t>(patch_.vertices));
     view.position = patch_.position;
-    place_vertices(view, function);
-    place_centres(view, function.tiles(), slots);
+    compute_vertices(view, function);
+    compute_centres(view, function.tiles(), slots);
     count_triangles(view, function.tiles(), slots);
     patch_.triangles = static_cast<int>(counts_to_offsets(counts_, static_cast<int>(cells)));
     patch_.corners_per_triangle = lattice.dimensions;

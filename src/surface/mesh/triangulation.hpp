@@ -45,8 +45,8 @@ public:
     // Kernels (public for nvcc).
     void mark_vertices(const View& view, const Array<int>& tiles, int slots);
     void mark_centres(const View& view, const Array<int>& tiles, int slots);
-    void place_vertices(const View& view, const ImplicitFunction& function);
-    void place_centres(const View& view, const Array<int>& tiles, int slots);
+    void compute_vertices(const View& view, const ImplicitFunction& function);
+    void compute_centres(const View& view, const Array<int>& tiles, int slots);
     void count_triangles(const View& view, const Array<int>& tiles, int slots);
     void fill_triangles(const View& view, const Array<int>& tiles, int slots);
 

@@ -139,18 +139,18 @@ Points find_circles(const cv::Mat& picture, const Board& board) {
 }
 
 // Area [pixels] of what stands out from the rim of a disc: by its light, so that blur counts for nothing.
-double area_within(const cv::Mat& picture, const cv::Point2f& centre, double reach) {
+double area_within(const cv::Mat& picture, const cv::Point2f& centre, double radius) {
     double rim = 0, rim_count = 0, light = 0, count = 0;
     const auto clamped = [](double v, int size) { return std::clamp(int(std::lround(v)), 0, size - 1); };
-    for (int row = clamped(centre.y - reach, picture.rows); row <= clamped(centre.y + reach, picture.rows); ++row)
-        for (int column = clamped(centre.x - reach, picture.cols); column <= clamped(centre.x + reach, picture.cols);
+    for (int row = clamped(centre.y - radius, picture.rows); row <= clamped(centre.y + radius, picture.rows); ++row)
+        for (int column = clamped(centre.x - radius, picture.cols); column <= clamped(centre.x + radius, picture.cols);
              ++column) {
             const double apart = std::hypot(column - centre.x, row - centre.y),
                          value = picture.at<std::uint8_t>(row, column);
-            if (apart > reach) continue;
+            if (apart > radius) continue;
             light += value;
             ++count;
-            if (apart < 0.85 * reach) continue;
+            if (apart < 0.85 * radius) continue;
             rim += value;
             ++rim_count;
         }
@@ -163,16 +163,16 @@ double area_within(const cv::Mat& picture, const cv::Point2f& centre, double rea
 // Diameter [m] of circles: median of what their areas are on the board, by the homography that the points give.
 double circle_diameter(const cv::Mat& picture, const Points& points, const Board& board) {
     if (!(board.spacing > 0)) return 0;
-    std::vector<cv::Point2f> places;
-    for (const auto& p : board_points(board)) places.emplace_back(float(p[0]), float(p[1]));
-    const cv::Mat h = cv::findHomography(places, points);
+    std::vector<cv::Point2f> positions;
+    for (const auto& p : board_points(board)) positions.emplace_back(float(p[0]), float(p[1]));
+    const cv::Mat h = cv::findHomography(positions, points);
     if (h.empty()) return 0;
     std::vector<double> diameters;
     for (std::size_t i = 0; i < points.size(); ++i) {
         double nearest = 1e30;
         for (std::size_t j = 0; j < points.size(); ++j)
             if (j != i) nearest = std::min(nearest, distance(points[i], points[j]));
-        const double w = h.at<double>(2, 0) * places[i].x + h.at<double>(2, 1) * places[i].y + h.at<double>(2, 2);
+        const double w = h.at<double>(2, 0) * positions[i].x + h.at<double>(2, 1) * positions[i].y + h.at<double>(2, 2);
         const double area =
             area_within(picture, points[i], nearest / 2) * std::abs(w * w * w / cv::determinant(h)); // [m2]
         diameters.push_back(std::sqrt(std::max(0.0, area) * 4 / std::numbers::pi));

@@ -92,7 +92,7 @@ scene::Lens colmap_lens(std::istringstream& words, const std::string& where) {
         lens.fy = model.one_focal_length ? lens.fx : values[next++];
         lens.cx = values[next++] - scene::pixel_corner_offset;
         lens.cy = values[next++] - scene::pixel_corner_offset;
-        for (const auto place : model.distortion) lens.distortion[place] = values[next++];
+        for (const auto index : model.distortion) lens.distortion[index] = values[next++];
         return lens;
     }
     std::vector<std::string> known;

@@ -62,9 +62,9 @@ bool is_pattern(const std::string& name) { return name.find_first_of("*?%") != s
 
 // "frame_%04d.png" as a regular expression with the number in its first group.
 std::regex number_pattern(const std::string& name, const fs::path& clip) {
-    static const std::regex place("%0?[0-9]*d");
+    static const std::regex number("%0?[0-9]*d");
     std::smatch found;
-    if (!std::regex_search(name, found, place))
+    if (!std::regex_search(name, found, number))
         throw InputError({clip.string(), "is no pattern of pictures", "% must begin a number such as %04d",
             "write for instance frame_%04d.png"});
     const auto quote = [](const std::string& text) {

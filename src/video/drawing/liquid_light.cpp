@@ -17,10 +17,10 @@ float mirrored(const Vec3f& direction, const DirectionalLight& lamp, float lit) 
 }
 
 // Colour of a liquid with depth: the light that comes back has been filtered again and again.
-Vec3f deepened(const Vec3f& albedo, float share) {
+Vec3f deepened(const Vec3f& albedo, float fraction) {
     Vec3f deep;
     for (int k = 0; k < 3; ++k) deep[k] = 0.85f * albedo[k] * std::sqrt(std::max(albedo[k], 0.0f));
-    return mix(albedo, deep, share);
+    return mix(albedo, deep, fraction);
 }
 } // namespace
 

@@ -62,7 +62,7 @@ LiquidView::LiquidView(const LiquidScene& scene)
     if (dimensions_ == 2 || cut_) means_.resize(std::size_t(camera_.width()) * std::size_t(camera_.height()));
 }
 
-float LiquidView::place_of(double value) const {
+float LiquidView::map_position(double value) const {
     return float(std::clamp((value - range_.low) / (range_.high - range_.low), 0.0, 1.0));
 }
 
@@ -93,11 +93,11 @@ void LiquidView::add_space(const LiquidMesh& mesh) {
         to.seen = projection.see(&mesh.vertices[3 * v], nullptr);
         to.normal =
             single(fine_.direction_to_camera({mesh.normals[3 * v], mesh.normals[3 * v + 1], mesh.normals[3 * v + 2]}));
-        to.value = mesh.values.empty() ? 0 : place_of(mesh.values[v]);
-        const auto place = single(to.seen.camera);
-        if (!cut_ || dot(cut_normal_, place) <= cut_offset_) {
+        to.value = mesh.values.empty() ? 0 : map_position(mesh.values[v]);
+        const auto position = single(to.seen.camera);
+        if (!cut_ || dot(cut_normal_, position) <= cut_offset_) {
             const float radius = caster_size * float(spacing_);
-            casters.push_back({place - radius * to.normal, radius});
+            casters.push_back({position - radius * to.normal, radius});
         }
     }
     shadows_.add(casters);
@@ -109,10 +109,10 @@ void LiquidView::add_space(const LiquidMesh& mesh) {
             found.depth = float(sample.depth);
             std::size_t most = 0;
             for (std::size_t k = 0; k < 3; ++k) {
-                const auto share = float(sample.share[k]);
-                for (std::size_t c = 0; c < 3; ++c) found.normal[c] += share * corner[k]->normal[c];
-                found.value += share * corner[k]->value;
-                if (sample.share[k] > sample.share[most]) most = k;
+                const auto weight = float(sample.barycentric[k]);
+                for (std::size_t c = 0; c < 3; ++c) found.normal[c] += weight * corner[k]->normal[c];
+                found.value += weight * corner[k]->value;
+                if (sample.barycentric[k] > sample.barycentric[most]) most = k;
             }
             found.liquid = mesh.liquid.empty() ? 0 : mesh.liquid[std::size_t(t[most])];
             auto& to = samples_[std::size_t(sample.row * raster.width() + sample.column)];
@@ -165,20 +165,20 @@ bool LiquidView::section_point(const Camera& camera, int column, int row, Vec3f&
 
 void LiquidView::add(const LiquidPoints& points) {
     if (means_.empty()) return;
-    const float reach = 2 * float(kernel_width * spacing_);
+    const float radius = 2 * float(kernel_width * spacing_);
     for (std::size_t i = 0; i < points.positions.size() / 3; ++i) {
         const auto centre = single(
             camera_.to_camera({points.positions[3 * i], points.positions[3 * i + 1], points.positions[3 * i + 2]}));
-        if (std::abs(dot(cut_normal_, centre) - cut_offset_) >= reach) continue;
-        const PixelBox box = pixels_of(camera_, {centre, reach});
-        const double value = points.values.empty() ? 0 : double(place_of(points.values[i]));
+        if (std::abs(dot(cut_normal_, centre) - cut_offset_) >= radius) continue;
+        const PixelBox box = pixels_of(camera_, {centre, radius});
+        const double value = points.values.empty() ? 0 : double(map_position(points.values[i]));
         for (int row = box.top; row < box.bottom; ++row)
             for (int column = box.left; column < box.right; ++column) {
                 Vec3f point;
                 if (!section_point(camera_, column, row, point)) continue;
                 const auto apart = point - centre;
                 const float square = dot(apart, apart);
-                if (square >= reach * reach) continue;
+                if (square >= radius * radius) continue;
                 auto& mean = means_[std::size_t(row) * std::size_t(camera_.width()) + std::size_t(column)];
                 const auto weight =
                     std::llround(weight_unit * spline(std::sqrt(double(square)) / (kernel_width * spacing_)));
@@ -261,13 +261,13 @@ private:
 
 std::vector<char> LiquidView::pack() const {
     std::vector<char> bytes;
-    std::vector<std::uint32_t> places;
+    std::vector<std::uint32_t> pixels;
     for (std::size_t i = 0; i < samples_.size(); ++i)
-        if (samples_[i].depth < far_away || samples_[i].crossings != 0) places.push_back(std::uint32_t(i));
-    const std::uint64_t count = places.size();
+        if (samples_[i].depth < far_away || samples_[i].crossings != 0) pixels.push_back(std::uint32_t(i));
+    const std::uint64_t count = pixels.size();
     put(bytes, &count, 1);
-    put(bytes, places.data(), places.size());
-    for (const auto i : places) put(bytes, &samples_[i], 1);
+    put(bytes, pixels.data(), pixels.size());
+    for (const auto i : pixels) put(bytes, &samples_[i], 1);
     put(bytes, means_.data(), means_.size());
     put(bytes, shadows_.depth().data(), shadows_.depth().size());
     return bytes;
@@ -277,9 +277,9 @@ void LiquidView::merge(std::span<const char> packed) {
     Reader reader(packed);
     std::uint64_t count = 0;
     reader.get(&count, 1);
-    std::vector<std::uint32_t> places(count);
-    reader.get(places.data(), count);
-    for (const auto i : places) {
+    std::vector<std::uint32_t> pixels(count);
+    reader.get(pixels.data(), count);
+    for (const auto i : pixels) {
         Sample other;
         reader.get(&other, 1);
         auto& to = samples_[i];

@@ -99,7 +99,7 @@ private:
 
     void add_space(const LiquidMesh& mesh);
     void add_plane(const LiquidMesh& mesh);
-    float place_of(double value) const;
+    float map_position(double value) const;
     // The point of the section on the ray of a pixel or sample, camera axes; false where there is none.
     bool section_point(const Camera& camera, int column, int row, Vec3f& point) const;
     const Mean& mean_near(int column, int row) const;

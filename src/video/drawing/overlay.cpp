@@ -43,8 +43,8 @@ void draw_text(Image& image, const Text& text, const Rgb8& ink) {
     cv::Mat large = cv::Mat::zeros((above + under) * fine, width * fine, CV_8U), mask;
     cv::putText(large, text.content, {pad, above * fine}, cv::FONT_HERSHEY_SIMPLEX, scale, 255, thickness, cv::LINE_AA);
     cv::resize(large, mask, {width, above + under}, 0, 0, cv::INTER_AREA);
-    const double share = text.align == Align::left ? 0 : text.align == Align::centre ? 0.5 : 1;
-    const int left = int(std::lround(text.x - share * size.width / fine)) - pad / fine;
+    const double fraction = text.align == Align::left ? 0 : text.align == Align::centre ? 0.5 : 1;
+    const int left = int(std::lround(text.x - fraction * size.width / fine)) - pad / fine;
     blend(image, mask, left, int(std::lround(text.y)) - above, ink);
 }
 

@@ -24,13 +24,13 @@ struct PreparedLayer {
     const ParticleLayer* source;
     ValueRange range;
     std::vector<Sphere> spheres;
-    std::vector<float> places; // of the values on the colour map, [0, 1]; empty: one colour
+    std::vector<float> map_positions; // of the values on the colour map, [0, 1]; empty: one colour
     Vec3f colour;
     std::array<Vec3f, 256> map; // linear
     float gloss;
 
-    Vec3f albedo_at(float place) const { return map[std::size_t(std::lround(255 * place))]; }
-    Vec3f albedo(std::size_t i) const { return places.empty() ? colour : albedo_at(places[i]); }
+    Vec3f albedo_at(float position) const { return map[std::size_t(std::lround(255 * position))]; }
+    Vec3f albedo(std::size_t i) const { return map_positions.empty() ? colour : albedo_at(map_positions[i]); }
 };
 
 void check(const ParticleLayer& layer) {
@@ -88,8 +88,8 @@ PreparedLayer prepare(const ParticleLayer& layer, const RenderRequest& request, 
         if (cut && dot(cut->normal, p - cut->point) > 0) continue;
         out.spheres.push_back({single(camera.to_camera(p)), float(layer.radius)});
         if (!valued) continue;
-        const double place = (layer.values[i] - out.range.low) / (out.range.high - out.range.low);
-        out.places.push_back(float(std::clamp(place, 0.0, 1.0)));
+        const double position = (layer.values[i] - out.range.low) / (out.range.high - out.range.low);
+        out.map_positions.push_back(float(std::clamp(position, 0.0, 1.0)));
     }
     return out;
 }
@@ -226,7 +226,7 @@ void composite_liquid(const Scene& scene, std::vector<float>& depth, Canvas& can
         }
 }
 
-void paint_ground(const Scene& scene, DepthBuffer& ground, Canvas& canvas, float reach) {
+void paint_ground(const Scene& scene, DepthBuffer& ground, Canvas& canvas, float radius) {
     const bool shown = scene.request.scenery == Scenery::box_and_floor;
     if (shown && !scene.is_flat()) add_floor(scene.fine, scene.request.domain, ground);
     std::vector<float> open;
@@ -237,7 +237,7 @@ void paint_ground(const Scene& scene, DepthBuffer& ground, Canvas& canvas, float
         all.depth = reduce_depth(nearest, canvas.width, canvas.height, samples);
         for (const auto& layer : scene.layers)
             if (layer.source->kind != LayerKind::wall) splat(scene.camera, layer.spheres, all);
-        open = ambient_occlusion(scene.camera, all.depth, reach);
+        open = ambient_occlusion(scene.camera, all.depth, radius);
     }
     for (int row = 0; row < canvas.height; ++row)
         for (int column = 0; column < canvas.width; ++column) {
@@ -332,7 +332,7 @@ std::string caption_of(const std::string& name, double time, std::size_t particl
     char clock[48];
     std::snprintf(clock, sizeof clock, "t = %.3f s", time);
     std::string count = std::to_string(particles);
-    for (int place = int(count.size()) - 3; place > 0; place -= 3) count.insert(std::size_t(place), " ");
+    for (int index = int(count.size()) - 3; index > 0; index -= 3) count.insert(std::size_t(index), " ");
     return (name.empty() ? "" : name + "    ") + clock + "    " + count + " particles";
 }
 
@@ -347,10 +347,10 @@ Image render_frame(const RenderRequest& request) {
     const int width = scene.fine.width(), height = scene.fine.height();
     Canvas canvas{width, height, std::vector<Vec3f>(std::size_t(width) * height)};
     DepthBuffer ground(width, height);
-    float reach = 0;
-    for (const auto& layer : request.layers) reach = std::max(reach, 10 * float(layer.radius));
-    if (request.liquid) reach = std::max(reach, 5 * float(request.liquid->spacing));
-    paint_ground(scene, ground, canvas, reach);
+    float radius = 0;
+    for (const auto& layer : request.layers) radius = std::max(radius, 10 * float(layer.radius));
+    if (request.liquid) radius = std::max(radius, 5 * float(request.liquid->spacing));
+    paint_ground(scene, ground, canvas, radius);
     std::vector<float> depth = std::move(ground.depth);
     for (const auto& layer : scene.layers)
         composite_spheres(scene, layer, draw_pass(scene, layer, depth), depth, canvas);

@@ -19,11 +19,11 @@ View shadow_view(const DirectionalLight& lamp, std::span<const Sphere> around) {
         largest = std::max(largest, double(radius));
     }
     if (around.empty()) low = high = {0, 0, 0};
-    const double reach = std::max(0.5 * length(high - low) + 4 * largest, 1e-9);
+    const double radius = std::max(0.5 * length(high - low) + 4 * largest, 1e-9);
     const Vec3 towards{lamp.towards[0], lamp.towards[1], lamp.towards[2]};
     View view;
     view.target = 0.5 * (low + high);
-    view.position = view.target + (4 * reach) * towards;
+    view.position = view.target + (4 * radius) * towards;
     view.up = std::abs(towards[0]) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     view.vertical_field_of_view = 2 * std::atan(0.25);
     view.width = view.height = shadow_pixels;
@@ -102,7 +102,7 @@ namespace {
 constexpr int directions = 16, pairs = 5, tile = 4;
 
 struct Offset {
-    float x, y, share; // share of the reach at which the sample lies
+    float x, y, fraction; // fraction of the radius at which the sample lies
 };
 
 // Per pixel of a 4 x 4 tile, sample offsets turned by another angle; averaging a tile joins them again.
@@ -112,14 +112,14 @@ std::array<std::array<Offset, pairs>, tile * tile> sample_offsets() {
         for (int k = 0; k < pairs; ++k) {
             const float turn = float((7 * p) % directions) / directions;
             const float angle = 3.14159265f * (turn / pairs + float(k) / pairs);
-            const float share = std::sqrt((k + 0.5f + 0.4f * std::sin(2.4f * p)) / pairs);
-            offsets[p][k] = {std::cos(angle) * share, std::sin(angle) * share, share};
+            const float fraction = std::sqrt((k + 0.5f + 0.4f * std::sin(2.4f * p)) / pairs);
+            offsets[p][k] = {std::cos(angle) * fraction, std::sin(angle) * fraction, fraction};
         }
     return offsets;
 }
 
 std::vector<float> average_tiles(
-    const std::vector<float>& raw, const std::vector<float>& depth, int width, int height, float reach) {
+    const std::vector<float>& raw, const std::vector<float>& depth, int width, int height, float radius) {
     std::vector<float> smooth(raw.size(), 1.0f);
     for (int row = 0; row < height; ++row)
         for (int column = 0; column < width; ++column) {
@@ -129,7 +129,7 @@ std::vector<float> average_tiles(
             for (int y = std::max(row - 2, 0); y < std::min(row + 2, height); ++y)
                 for (int x = std::max(column - 2, 0); x < std::min(column + 2, width); ++x) {
                     const std::size_t j = std::size_t(y) * width + x;
-                    const float same = std::abs(depth[j] - depth[i]) < 0.5f * reach ? 1.0f : 0.0f;
+                    const float same = std::abs(depth[j] - depth[i]) < 0.5f * radius ? 1.0f : 0.0f;
                     sum += same * raw[j];
                     weight += same;
                 }
@@ -140,7 +140,7 @@ std::vector<float> average_tiles(
 } // namespace
 
 // Samples come in opposite pairs, so that a plane, however slanted, hides nothing of itself.
-std::vector<float> ambient_occlusion(const Camera& camera, const std::vector<float>& depth, float reach) {
+std::vector<float> ambient_occlusion(const Camera& camera, const std::vector<float>& depth, float radius) {
     const int width = camera.width(), height = camera.height();
     static const auto offsets = sample_offsets();
     std::vector<float> open(depth.size(), 1.0f);
@@ -150,23 +150,23 @@ std::vector<float> ambient_occlusion(const Camera& camera, const std::vector<flo
             const float z = depth[i];
             if (z == far_away) continue;
             const float scale = float(camera.scale()) * (camera.is_perspective() ? 1 / z : 1.0f);
-            const float pixels = std::clamp(reach * scale, 2.0f, 80.0f);
+            const float pixels = std::clamp(radius * scale, 2.0f, 80.0f);
             const auto rise = [&](float x, float y, float room) {
                 const int c = std::clamp(int(std::lround(column + x)), 0, width - 1);
                 const int r = std::clamp(int(std::lround(row + y)), 0, height - 1);
                 const float nearer = z - depth[std::size_t(r) * width + c];
                 // Things far in front are no part of this surface; they only count as half in the way.
-                return nearer > 2 * reach ? 0.3f * room : std::clamp(nearer, -reach, room);
+                return nearer > 2 * radius ? 0.3f * room : std::clamp(nearer, -radius, room);
             };
             float hidden = 0;
-            for (const auto& [x, y, share] : offsets[std::size_t(row % tile) * tile + column % tile]) {
-                const float room = reach * std::sqrt(std::max(1 - share * share, 0.05f));
+            for (const auto& [x, y, fraction] : offsets[std::size_t(row % tile) * tile + column % tile]) {
+                const float room = radius * std::sqrt(std::max(1 - fraction * fraction, 0.05f));
                 const float both = rise(pixels * x, pixels * y, room) + rise(-pixels * x, -pixels * y, room);
                 hidden += std::max(both, 0.0f) / (2 * room);
             }
             open[i] = std::max(0.0f, 1 - 1.5f * hidden / pairs);
         }
-    return average_tiles(open, depth, width, height, reach);
+    return average_tiles(open, depth, width, height, radius);
 }
 
 } // namespace treacle::video

@@ -48,8 +48,8 @@ private:
 };
 
 // Share of the sky left open by the depths around each pixel, [height][width]: dark in creases and between
-// balls. `reach` [m]: how far around a point things count.
-std::vector<float> ambient_occlusion(const Camera& camera, const std::vector<float>& depth, float reach);
+// balls. `radius` [m]: how far around a point things count.
+std::vector<float> ambient_occlusion(const Camera& camera, const std::vector<float>& depth, float radius);
 
 // The nearest depth of each square of factor x factor pixels.
 std::vector<float> reduce_depth(const std::vector<float>& depth, int width, int height, int factor);

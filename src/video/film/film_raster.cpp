@@ -91,7 +91,7 @@ private:
             raster.draw(c[0]->seen, c[1]->seen, c[2]->seen, [&](const scene::RasterSample& sample) {
                 std::array<float, 2> light{0, 0};
                 for (std::size_t k = 0; k < 3; ++k)
-                    for (std::size_t l = 0; l < 2; ++l) light[l] += float(sample.share[k]) * c[k]->light[l];
+                    for (std::size_t l = 0; l < 2; ++l) light[l] += float(sample.barycentric[k]) * c[k]->light[l];
                 buffer_.put(int(sample.column), int(sample.row), float(sample.depth), light);
             });
         }
@@ -140,8 +140,8 @@ FilmDrawing draw_liquid(
         {width, height, std::vector<std::uint8_t>(pixels, mask_background)}, FilmDepth(pixels, far_away)};
     const float weight = 1 / float(n * n * shot.instants);
     for (int instant = 0; instant < shot.instants; ++instant) {
-        const double share = shot.instants > 1 ? (instant + 0.5) / shot.instants - 0.5 : 0;
-        const Instant drawn(mesh, camera, shot, shot.offset + share * shot.exposure);
+        const double fraction = shot.instants > 1 ? (instant + 0.5) / shot.instants - 0.5 : 0;
+        const Instant drawn(mesh, camera, shot, shot.offset + fraction * shot.exposure);
         const auto& buffer = drawn.buffer();
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {

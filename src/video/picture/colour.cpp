@@ -47,10 +47,10 @@ Vec3f from_oklab(const Vec3f& c) {
 }
 
 Rgb8 between(std::span<const Rgb8> points, double t) {
-    const double place = std::clamp(t, 0.0, 1.0) * (points.size() - 1);
-    const auto i = std::min(static_cast<std::size_t>(place), points.size() - 2);
+    const double position = std::clamp(t, 0.0, 1.0) * (points.size() - 1);
+    const auto i = std::min(static_cast<std::size_t>(position), points.size() - 2);
     const auto a = to_oklab(to_linear(points[i])), b = to_oklab(to_linear(points[i + 1]));
-    return to_display(from_oklab(mix(a, b, float(place - i))));
+    return to_display(from_oklab(mix(a, b, float(position - i))));
 }
 } // namespace
 
@@ -69,10 +69,10 @@ ValueRange robust_range(std::span<const double> values, ColourMap map) {
                 "draw an earlier frame, or another field"});
     if (values.empty()) return {0, 1};
     std::vector<double> sorted(values.begin(), values.end());
-    const auto percentile = [&](double share) {
-        const auto place = sorted.begin() + std::lround(share * (sorted.size() - 1));
-        std::nth_element(sorted.begin(), place, sorted.end());
-        return *place;
+    const auto percentile = [&](double fraction) {
+        const auto position = sorted.begin() + std::lround(fraction * (sorted.size() - 1));
+        std::nth_element(sorted.begin(), position, sorted.end());
+        return *position;
     };
     ValueRange range{percentile(0.01), percentile(0.99)};
     if (map == ColourMap::diverging) {

@@ -38,15 +38,15 @@ Bytes read_bytes(const fs::path& path) {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-bool holds(const Bytes& bytes, std::size_t at, std::string_view mark) {
+bool matches(const Bytes& bytes, std::size_t at, std::string_view mark) {
     return bytes.size() >= at + mark.size() && std::string_view(bytes.data() + at, mark.size()) == mark;
 }
 
 // HEIC and AVIF are ISO media files of these brands.
 bool is_heic(const Bytes& bytes) {
-    if (!holds(bytes, 4, "ftyp")) return false;
+    if (!matches(bytes, 4, "ftyp")) return false;
     for (const auto* brand : {"heic", "heix", "hevc", "heim", "heis", "mif1", "msf1", "avif"})
-        if (holds(bytes, 8, brand)) return true;
+        if (matches(bytes, 8, brand)) return true;
     return false;
 }
 
@@ -54,9 +54,9 @@ bool is_heic(const Bytes& bytes) {
 bool is_cut_off(const Bytes& bytes) {
     using namespace std::string_view_literals;
     const std::string_view all(bytes.data(), bytes.size());
-    if (holds(bytes, 0, "\xff\xd8"sv))
+    if (matches(bytes, 0, "\xff\xd8"sv))
         return all.find("\xff\xd9"sv, all.size() > 4096 ? all.size() - 4096 : 0) == all.npos;
-    if (holds(bytes, 0, "\x89PNG"sv)) return all.rfind("IEND") == all.npos;
+    if (matches(bytes, 0, "\x89PNG"sv)) return all.rfind("IEND") == all.npos;
     return false;
 }
 

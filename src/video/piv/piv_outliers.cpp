@@ -8,13 +8,13 @@
 namespace treacle::video {
 
 namespace {
-// Width of the grid along an axis: the least difference of places.
-double grid_width(std::vector<double> places) {
-    std::ranges::sort(places);
-    const double span = places.back() - places.front();
+// Width of the grid along an axis: the least difference of positions.
+double grid_width(std::vector<double> positions) {
+    std::ranges::sort(positions);
+    const double span = positions.back() - positions.front();
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < places.size(); ++i) {
-        const double gap = places[i] - places[i - 1];
+    for (std::size_t i = 1; i < positions.size(); ++i) {
+        const double gap = positions[i] - positions[i - 1];
         if (gap > 1e-6 * span) least = std::min(least, gap);
     }
     return std::isfinite(least) ? least : 1;
@@ -70,19 +70,19 @@ std::size_t reject_odd(PivField& field, double threshold, double noise) {
     const auto cell = [&](std::size_t i) {
         return std::pair(std::lround(field.x[i] / dx), std::lround(field.y[i] / dy));
     };
-    std::map<std::pair<long, long>, std::size_t> places;
+    std::map<std::pair<long, long>, std::size_t> cells;
     for (std::size_t i = 0; i < field.x.size(); ++i) {
-        if (field.valid[i]) places.emplace(cell(i), i);
+        if (field.valid[i]) cells.emplace(cell(i), i);
     }
     std::vector<std::size_t> odd;
     std::vector<Neighbour> u, v;
-    for (const auto& [place, i] : places) {
+    for (const auto& [cell_index, i] : cells) {
         u.clear();
         v.clear();
         for (long row = -1; row <= 1; ++row) {
             for (long column = -1; column <= 1; ++column) {
-                const auto found = places.find({place.first + column, place.second + row});
-                if (found == places.end() || found->second == i) continue;
+                const auto found = cells.find({cell_index.first + column, cell_index.second + row});
+                if (found == cells.end() || found->second == i) continue;
                 u.push_back({column, row, field.u[found->second]});
                 v.push_back({column, row, field.v[found->second]});
             }

@@ -7,12 +7,12 @@ namespace treacle::video {
 
 namespace {
 
-constexpr double white = 0.1;                        // part of the variance without correlation
-constexpr std::size_t most_equations = 240;          // more are thinned out
-constexpr double edge_turn = 0.2;                    // of the normal, within an edge
-constexpr double edge_length = 400;                  // [pixels]
-constexpr double lengths[] = {3, 6, 12, 22, 40, 70}; // L [pixels]
-constexpr double shares[] = {0.15, 0.35, 0.6};       // g
+constexpr double white = 0.1;                          // part of the variance without correlation
+constexpr std::size_t most_equations = 240;            // more are thinned out
+constexpr double edge_turn = 0.2;                      // of the normal, within an edge
+constexpr double edge_length = 400;                    // [pixels]
+constexpr double lengths[] = {3, 6, 12, 22, 40, 70};   // L [pixels]
+constexpr double edge_fractions[] = {0.15, 0.35, 0.6}; // g
 // [pixels] shared error of an edge that residuals do not show, as the fit takes it up: steps of pixels make 0.29 along rows
 // and columns and none along slanted edges.
 constexpr double edge_error = 0.15;
@@ -25,13 +25,13 @@ double edge_correlation(const OutlineEquation& a, const OutlineEquation& b) {
 }
 
 struct NoiseModel {
-    double length, share;
+    double length, edge_fraction;
     Kernel kernel;
 
     double correlation(const OutlineEquation& a, const OutlineEquation& b) const {
         const double d = std::hypot(a.pixel[0] - b.pixel[0], a.pixel[1] - b.pixel[1]), u = d / length;
         const double along = kernel == Kernel::gaussian ? std::exp(-u * u) : std::exp(-u);
-        return (1 - white) * ((1 - share) * along + share * edge_correlation(a, b));
+        return (1 - white) * ((1 - edge_fraction) * along + edge_fraction * edge_correlation(a, b));
     }
 };
 
@@ -160,9 +160,9 @@ OutlineFit fit_outline(const std::vector<OutlineEquation>& all, const PoseMatrix
     const auto equations = thinned(all);
     std::vector<Candidate> candidates;
     for (const double length : lengths)
-        for (const double share : shares)
+        for (const double edge_fraction : edge_fractions)
             for (const auto kernel : {Kernel::exponential, Kernel::gaussian})
-                candidates.push_back(judge(equations, {length, share, kernel}, prior, mean));
+                candidates.push_back(judge(equations, {length, edge_fraction, kernel}, prior, mean));
     const double best = std::ranges::max(candidates, {}, &Candidate::likelihood).likelihood;
     OutlineFit out;
     double total = 0;

@@ -38,7 +38,7 @@ bool find_outline(
         return std::pair(passing, ray.origin + passing.at * ray.direction);
     };
     double inside = -search, outside = search;
-    auto [at, place] = look(0);
+    auto [at, foot] = look(0);
     if (at.hits)
         inside = 0;
     else
@@ -56,15 +56,15 @@ bool find_outline(
         break;
     }
     for (int round = 0; round < 40 && outside - inside > 0.002; ++round) {
-        std::tie(at, place) = look(outside);
-        const double pixels = at.least * focal / std::max(camera.to_camera(place)[2], 1e-6);
+        std::tie(at, foot) = look(outside);
+        const double pixels = at.least * focal / std::max(camera.to_camera(foot)[2], 1e-6);
         const double guess = outside - std::max(pixels - 0.0005, 0.0005);
         const double s = guess > inside && round % 4 != 3 ? guess : 0.5 * (inside + outside);
         (look(s).first.hits ? inside : outside) = s;
     }
-    std::tie(at, place) = look(outside);
+    std::tie(at, foot) = look(outside);
     match.displacement = 0.5 * (inside + outside);
-    match.foot = place;
+    match.foot = foot;
     return true;
 }
 
@@ -248,14 +248,15 @@ private:
 namespace {
 
 void check_fit(ContourPose& found, const SeenSolid& solid, const Silhouette& silhouette) {
-    const auto share = "only " + format_number(std::round(100 * found.fitting)) + " % of the silhouette's outline ";
+    const auto percentage_text =
+        "only " + format_number(std::round(100 * found.fitting)) + " % of the silhouette's outline ";
     if (found.fitting < 0.2)
-        throw InputError({silhouette.name, share + "meets that of " + solid.name,
+        throw InputError({silhouette.name, percentage_text + "meets that of " + solid.name,
             "the pose is too far off, or the frame shows something else",
             "look at the overlay; give a better pose by points"});
     if (found.fitting < 0.6)
         found.estimate.warnings.push_back(
-            share + "is that of " + solid.name + ": the rest may have moved, or is hidden");
+            percentage_text + "is that of " + solid.name + ": the rest may have moved, or is hidden");
 }
 
 } // namespace

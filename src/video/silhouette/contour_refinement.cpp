@@ -47,10 +47,10 @@ cv::Mat smaller(const cv::Mat& picture) {
     return out;
 }
 
-// Weighted local sums: two reaches, the far one where the near one holds no weight.
-cv::Mat local_sum(const cv::Mat& picture, double reach) {
+// Weighted local sums: two radii, the far one where the near one has no weight.
+cv::Mat local_sum(const cv::Mat& picture, double radius) {
     cv::Mat near, far;
-    const double s = reach / scale;
+    const double s = radius / scale;
     const auto size = [](double sigma) { return 2 * int(std::ceil(2.5 * sigma)) + 1; };
     cv::GaussianBlur(picture, near, {size(s), size(s)}, s, s, cv::BORDER_CONSTANT);
     cv::GaussianBlur(picture, far, {size(4 * s), size(4 * s)}, 4 * s, 4 * s, cv::BORDER_CONSTANT);
@@ -70,9 +70,9 @@ cv::Mat larger(const cv::Mat& picture, const cv::Size& size) {
 }
 
 // Value at each pixel of a straight line through the weighted values near it: liquid is shaded, and its means stand for
-// places further in. Slopes of few pixels count less; none changes a value by more than 30 %.
-cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double reach, const cv::Mat& mean) {
-    const double s = reach / scale;
+// positions further in. Slopes of few pixels count less; none changes a value by more than 30 %.
+cv::Mat local_line(const cv::Mat& picture, const cv::Mat& weight, double radius, const cv::Mat& mean) {
+    const double s = radius / scale;
     const int size = 2 * int(std::ceil(2.5 * s)) + 1;
     const auto blurred = [&](const cv::Mat& values) {
         cv::Mat out;
@@ -132,7 +132,7 @@ struct Levels {
 
 Levels local_levels(
     const cv::Mat& light, const cv::Mat& empty, const cv::Mat& liquid, const cv::Mat& excluded, double width) {
-    const double blurred = 2.5 * width + 1, reach = std::max(6.0, 1.5 * blurred);
+    const double blurred = 2.5 * width + 1, radius = std::max(6.0, 1.5 * blurred);
     cv::Mat inside = weights(liquid, blurred), outside = weights(liquid == 0, blurred);
     inside.setTo(0, excluded);
     outside.setTo(0, excluded);
@@ -140,7 +140,7 @@ Levels local_levels(
     levels.light = light;
     const auto mean = [&](const cv::Mat& above, const cv::Mat& below) {
         cv::Mat ratio;
-        cv::divide(local_sum(above, reach), local_sum(below, reach) + cv::Scalar::all(1e-9), ratio);
+        cv::divide(local_sum(above, radius), local_sum(below, radius) + cv::Scalar::all(1e-9), ratio);
         return ratio;
     };
     const cv::Mat ones(light.size(), CV_32FC3, cv::Scalar::all(1));
@@ -148,24 +148,24 @@ Levels local_levels(
                   all = smaller(times(ones, inside));
     cv::Mat values;
     cv::divide(weighted, all + cv::Scalar::all(1e-9), values);
-    levels.liquid = larger(local_line(values, weight, reach, mean(weighted, all)), light.size());
+    levels.liquid = larger(local_line(values, weight, radius, mean(weighted, all)), light.size());
     levels.background =
         larger(mean(smaller(times(light, outside)), smaller(times(empty, outside))), light.size()).mul(empty);
     return levels;
 }
 
-// Share of liquid of each pixel within `band` of the contour of `liquid`, and `known` where it could be determined.
-struct Shares {
-    cv::Mat share, known;
+// Fraction of liquid of each pixel within `band` of the contour of `liquid`, and `known` where it could be determined.
+struct LiquidFractions {
+    cv::Mat fraction, known;
 };
 
-Shares solve_shares(const Levels& levels, const cv::Mat& liquid, double band) {
+LiquidFractions solve_fractions(const Levels& levels, const cv::Mat& liquid, double band) {
     cv::Mat outside, inside;
     cv::distanceTransform(liquid == 0, outside, cv::DIST_L2, cv::DIST_MASK_5);
     cv::distanceTransform(liquid, inside, cv::DIST_L2, cv::DIST_MASK_5);
-    Shares shares;
-    liquid.convertTo(shares.share, CV_32F, 1 / 255.0);
-    shares.known = cv::Mat::zeros(liquid.size(), CV_8U);
+    LiquidFractions fractions;
+    liquid.convertTo(fractions.fraction, CV_32F, 1 / 255.0);
+    fractions.known = cv::Mat::zeros(liquid.size(), CV_8U);
     for (int y = 0; y < liquid.rows; ++y) {
         const auto* in = levels.light.ptr<float>(y);
         const auto* f = levels.liquid.ptr<float>(y);
@@ -178,11 +178,11 @@ Shares solve_shares(const Levels& levels, const cv::Mat& liquid, double band) {
                 square += (f[c] - b[c]) * (f[c] - b[c]);
             }
             if (square < 4e-4F) continue; // no contrast
-            shares.share.at<float>(y, x) = std::clamp(product / square, -1.0F, 2.0F);
-            shares.known.at<std::uint8_t>(y, x) = 255;
+            fractions.fraction.at<float>(y, x) = std::clamp(product / square, -1.0F, 2.0F);
+            fractions.known.at<std::uint8_t>(y, x) = 255;
         }
     }
-    return shares;
+    return fractions;
 }
 
 double median(std::vector<float>& values) {
@@ -194,16 +194,16 @@ double median(std::vector<float>& values) {
 
 // Blur spreads as heat does: after sigma^2 / 2 a bent contour has moved by sigma^2 / 2 times its curvature. Takes that
 // back by one step of the part along the contour, curvature times gradient; the part across it leaves half height alone.
-void straighten(cv::Mat& share, double width) {
+void straighten(cv::Mat& fraction, double width) {
     cv::Mat smooth;
     const double more = 0.5 * width;
-    cv::GaussianBlur(share, smooth, {}, more, more, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(fraction, smooth, {}, more, more, cv::BORDER_REPLICATE);
     // The smoothing spreads the gradient too: by sqrt(1 + 1/4), taken out to first order.
     const auto step = float(0.5 * width * width * std::sqrt(1.25));
-    for (int y = 1; y + 1 < share.rows; ++y) {
+    for (int y = 1; y + 1 < fraction.rows; ++y) {
         const float *up = smooth.ptr<float>(y - 1), *row = smooth.ptr<float>(y), *down = smooth.ptr<float>(y + 1);
-        auto* out = share.ptr<float>(y);
-        for (int x = 1; x + 1 < share.cols; ++x) {
+        auto* out = fraction.ptr<float>(y);
+        for (int x = 1; x + 1 < fraction.cols; ++x) {
             const float u = (row[x + 1] - row[x - 1]) / 2, v = (down[x] - up[x]) / 2;
             const float square = u * u + v * v;
             if (square < 1e-4F) continue;
@@ -216,14 +216,14 @@ void straighten(cv::Mat& share, double width) {
 }
 
 // Width of a Gaussian blur, whose profile is 1 / (sigma sqrt(2 pi)) steep at half its height.
-double width_of(const Shares& shares) {
+double width_of(const LiquidFractions& fractions) {
     std::vector<float> steep;
-    for (int y = 1; y + 1 < shares.share.rows; ++y)
-        for (int x = 1; x + 1 < shares.share.cols; ++x) {
-            const float a = shares.share.at<float>(y, x);
-            if (shares.known.at<std::uint8_t>(y, x) == 0 || std::abs(a - 0.5F) > 0.2F) continue;
-            const float u = (shares.share.at<float>(y, x + 1) - shares.share.at<float>(y, x - 1)) / 2;
-            const float v = (shares.share.at<float>(y + 1, x) - shares.share.at<float>(y - 1, x)) / 2;
+    for (int y = 1; y + 1 < fractions.fraction.rows; ++y)
+        for (int x = 1; x + 1 < fractions.fraction.cols; ++x) {
+            const float a = fractions.fraction.at<float>(y, x);
+            if (fractions.known.at<std::uint8_t>(y, x) == 0 || std::abs(a - 0.5F) > 0.2F) continue;
+            const float u = (fractions.fraction.at<float>(y, x + 1) - fractions.fraction.at<float>(y, x - 1)) / 2;
+            const float v = (fractions.fraction.at<float>(y + 1, x) - fractions.fraction.at<float>(y - 1, x)) / 2;
             steep.push_back(std::hypot(u, v));
         }
     if (steep.size() < 20) return 0;
@@ -237,8 +237,8 @@ cv::Rect box_of(const cv::Mat& liquid, int margin) {
            cv::Rect({0, 0}, liquid.size());
 }
 
-constexpr double bin = 0.25;                            // of profiles, in blur widths
-constexpr double profile_reach = 3.2, even_reach = 2.6; // in blur widths
+constexpr double bin = 0.25;                              // of profiles, in blur widths
+constexpr double profile_extent = 3.2, even_extent = 2.6; // in blur widths
 
 float sample(const cv::Mat& field, double x, double y) {
     const int i = int(x), j = int(y);
@@ -247,21 +247,21 @@ float sample(const cv::Mat& field, double x, double y) {
     return (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
 }
 
-// Mean share along the normals of the contour, through where it is 1/2 between two pixels; empty for a short contour.
-std::vector<double> profile_of(const cv::Mat& share, double width) {
+// Mean fraction along the normals of the contour, through where it is 1/2 between two pixels; empty for a short contour.
+std::vector<double> profile_of(const cv::Mat& fraction, double width) {
     cv::Mat smooth;
     const double spread = std::max(0.8, 0.5 * width);
-    cv::GaussianBlur(share, smooth, {}, spread, spread, cv::BORDER_REPLICATE);
-    const int half = int(profile_reach / bin);
-    const double margin = profile_reach * width + 2;
+    cv::GaussianBlur(fraction, smooth, {}, spread, spread, cv::BORDER_REPLICATE);
+    const int half = int(profile_extent / bin);
+    const double margin = profile_extent * width + 2;
     std::vector<double> sum(std::size_t(2 * half + 1), 0);
     std::size_t count = 0;
     const auto cross = [&](int x, int y, int dx, int dy) {
-        const float here = share.at<float>(y, x), there = share.at<float>(y + dy, x + dx);
+        const float here = fraction.at<float>(y, x), there = fraction.at<float>(y + dy, x + dx);
         if ((here >= 0.5F) == (there >= 0.5F)) return;
         const double part = double((here - 0.5F) / (here - there));
         const double px = x + part * dx, py = y + part * dy;
-        if (px < margin || py < margin || px > share.cols - 1 - margin || py > share.rows - 1 - margin) return;
+        if (px < margin || py < margin || px > fraction.cols - 1 - margin || py > fraction.rows - 1 - margin) return;
         double nx = double(sample(smooth, px - 1, py) - sample(smooth, px + 1, py)),
                ny = double(sample(smooth, px, py - 1) - sample(smooth, px, py + 1));
         const double length = std::hypot(nx, ny);
@@ -269,11 +269,12 @@ std::vector<double> profile_of(const cv::Mat& share, double width) {
             return; // each point once, along its steeper axis
         nx /= length, ny /= length;
         for (int k = -half; k <= half; ++k)
-            sum[std::size_t(k + half)] += double(sample(share, px + k * bin * width * nx, py + k * bin * width * ny));
+            sum[std::size_t(k + half)] +=
+                double(sample(fraction, px + k * bin * width * nx, py + k * bin * width * ny));
         ++count;
     };
-    for (int y = 0; y + 1 < share.rows; ++y)
-        for (int x = 0; x + 1 < share.cols; ++x) {
+    for (int y = 0; y + 1 < fraction.rows; ++y)
+        for (int x = 0; x + 1 < fraction.cols; ++x) {
             cross(x, y, 1, 0);
             cross(x, y, 0, 1);
         }
@@ -292,7 +293,7 @@ double even_part(const std::vector<double>& profile) {
     double best = 1;
     for (double m = -0.6; m <= 0.6; m += 0.01) {
         double sum = 0, squares = 0, n = 0;
-        for (double s = 0; s <= even_reach; s += bin) {
+        for (double s = 0; s <= even_extent; s += bin) {
             const double even = at(middle + (m + s) / bin) + at(middle + (m - s) / bin);
             sum += even;
             squares += even * even;
@@ -305,7 +306,7 @@ double even_part(const std::vector<double>& profile) {
 
 struct Solved {
     cv::Mat liquid;
-    Shares shares;
+    LiquidFractions fractions;
     Levels levels;
     cv::Mat empty; // CV_32FC3
     double width = 0;
@@ -332,15 +333,16 @@ Solved iterate(const Filmed& filmed, const cv::Rect& box, MixingSpace mixing, do
     for (int round = 0; round < rounds; ++round) {
         const double band = std::max(8.0, 3 * solved.width + 3);
         solved.levels = local_levels(light, empty, solved.liquid, excluded, solved.width);
-        solved.shares = solve_shares(solved.levels, solved.liquid, band);
+        solved.fractions = solve_fractions(solved.levels, solved.liquid, band);
         // Noise a pixel wide would fray a blurred contour; an even filter does not move it.
         const double smooth = std::min(1.5, 0.35 * solved.width);
-        cv::GaussianBlur(solved.shares.share, solved.shares.share, {9, 9}, smooth, smooth, cv::BORDER_REPLICATE);
-        if (solved.width > 1.5) straighten(solved.shares.share, solved.width);
-        cv::Mat next = solved.shares.share >= 0.5F;
-        solved.liquid.copyTo(next, solved.shares.known == 0);
+        cv::GaussianBlur(
+            solved.fractions.fraction, solved.fractions.fraction, {9, 9}, smooth, smooth, cv::BORDER_REPLICATE);
+        if (solved.width > 1.5) straighten(solved.fractions.fraction, solved.width);
+        cv::Mat next = solved.fractions.fraction >= 0.5F;
+        solved.liquid.copyTo(next, solved.fractions.known == 0);
         solved.liquid = next;
-        if (const double measured = width_of(solved.shares); measured > 0) solved.width = measured;
+        if (const double measured = width_of(solved.fractions); measured > 0) solved.width = measured;
     }
     solved.liquid.setTo(0, excluded);
     return solved;
@@ -351,7 +353,7 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
     std::vector<float> clear, gains[3];
     for (int y = 0; y < solved.liquid.rows; y += 2)
         for (int x = 0; x < solved.liquid.cols; x += 2) {
-            if (solved.shares.known.at<std::uint8_t>(y, x) == 0) continue;
+            if (solved.fractions.known.at<std::uint8_t>(y, x) == 0) continue;
             const auto b = solved.levels.background.at<cv::Vec3f>(y, x), e = solved.empty.at<cv::Vec3f>(y, x);
             for (int c = 0; c < 3; ++c)
                 if (e[c] > 1e-3F) gains[c].push_back(b[c] / e[c]);
@@ -378,7 +380,7 @@ RefinedContour refine_contour(const Image& frame, const std::vector<float>& back
     cv::Mat out = pixels_of(refined.mask)(box);
     out.setTo(mask_background, out == mask_liquid);
     out.setTo(mask_liquid, solved.liquid);
-    refined.edge_width = width_of(solved.shares);
+    refined.edge_width = width_of(solved.fractions);
     measure_contrast(solved, refined);
     return refined;
 }
@@ -389,8 +391,8 @@ Unevenness measure_unevenness(const Image& frame, const std::vector<float>& back
     if (box.empty()) return found;
     for (const auto mixing : {MixingSpace::light, MixingSpace::code}) {
         const auto solved = iterate({frame, background, rough}, box, mixing, 0, 3);
-        const auto shares = solve_shares(solved.levels, solved.liquid, 5 * solved.width + 6).share;
-        const auto profile = profile_of(shares, solved.width);
+        const auto fractions = solve_fractions(solved.levels, solved.liquid, 5 * solved.width + 6).fraction;
+        const auto profile = profile_of(fractions, solved.width);
         if (profile.empty()) return {};
         (mixing == MixingSpace::light ? found.light : found.code) = even_part(profile);
     }

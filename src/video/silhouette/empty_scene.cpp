@@ -80,7 +80,7 @@ EmptyScene from_frames(FrameSource& source, const SilhouetteSettings& settings, 
     const auto count = std::ssize(source.info().stamps);
     std::vector<std::int64_t> wanted;
     for (std::int64_t k = 0; k < count; ++k)
-        if (span.holds(k, count)) wanted.push_back(k);
+        if (span.contains(k, count)) wanted.push_back(k);
     if (wanted.empty())
         throw InputError(
             {source.info().file, "has no frames " + std::to_string(span.first) + " to " + std::to_string(span.last),
@@ -89,7 +89,7 @@ EmptyScene from_frames(FrameSource& source, const SilhouetteSettings& settings, 
     Learner learner(settings, registration, source.info(), int((std::ssize(wanted) + stride - 1) / stride));
     source.rewind();
     for (TimedFrame frame; frame.index < wanted.back() && source.read(frame);) {
-        if (!span.holds(frame.index, count) || (frame.index - wanted.front()) % stride != 0) continue;
+        if (!span.contains(frame.index, count) || (frame.index - wanted.front()) % stride != 0) continue;
         learner.add(frame.image, source.info().file + ", frame " + std::to_string(frame.index));
     }
     return {learner.finish(), note};

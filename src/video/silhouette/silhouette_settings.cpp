@@ -15,7 +15,7 @@ std::optional<std::int64_t> whole(const std::string& text) {
 }
 } // namespace
 
-bool FrameSpan::holds(std::int64_t index, std::int64_t count) const {
+bool FrameSpan::contains(std::int64_t index, std::int64_t count) const {
     const auto from_end = [&](std::int64_t i) { return i < 0 ? i + count : i; };
     return index >= from_end(first) && index <= from_end(last);
 }

@@ -21,7 +21,7 @@ enum class MaskPolarity { automatic, dark, light };
 // Frames first to last, both included, negative from the end; "" for all.
 struct FrameSpan {
     std::int64_t first = 0, last = -1;
-    bool holds(std::int64_t index, std::int64_t count) const;
+    bool contains(std::int64_t index, std::int64_t count) const;
 };
 // "10:59"; InputError at `where` for anything else.
 FrameSpan read_frame_span(const std::string& text, const std::string& where);

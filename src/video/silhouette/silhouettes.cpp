@@ -34,7 +34,7 @@ std::size_t perimeter_of(const Mask& mask) {
 }
 
 std::string tenths(double value) { return format_number(std::round(10 * value) / 10); }
-std::string percent(double share) { return tenths(100 * share) + " %"; }
+std::string percent(double fraction) { return tenths(100 * fraction) + " %"; }
 } // namespace
 
 struct SilhouetteMaker::State {
@@ -90,7 +90,7 @@ struct SilhouetteMaker::State {
 
     void exclude(Mask& mask, std::int64_t index) const {
         for (const auto& e : exclusions) {
-            if (!e.span.holds(index, count)) continue;
+            if (!e.span.contains(index, count)) continue;
             for (std::size_t i = 0; i < mask.pixels.size(); ++i)
                 if (e.mask.pixels[i] == mask_liquid) mask.pixels[i] = mask_excluded;
         }

@@ -14,9 +14,7 @@ double hidden(double value) {
     return out;
 }
 
-void keep(double value) {
-    [[maybe_unused]] volatile double out = value;
-}
+void keep(double value) { [[maybe_unused]] volatile double out = value; }
 
 TEST(FloatingPointTraps, end_the_process_where_a_number_is_not_finite) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
@@ -30,8 +28,8 @@ TEST(FloatingPointTraps, leave_finite_numbers_and_infinities_that_are_copied) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     const auto ends_well = testing::ExitedWithCode(0);
     EXPECT_EXIT((trap_non_finite(), keep(hidden(1) / hidden(3)), keep(hidden(std::numeric_limits<double>::infinity())),
-                 std::exit(0)),
-                ends_well, "");
+                    std::exit(0)),
+        ends_well, "");
 }
 
 } // namespace

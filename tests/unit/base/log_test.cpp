@@ -40,8 +40,8 @@ TEST(Log, IsSilentOnOtherRanks) {
 TEST(ProgressBar, HasTheSameLengthAtAnyShare) {
     const auto half = progress_bar(0.5, "");
     EXPECT_EQ(half, "[###############...............]  50 %  ");
-    for (const double share : {0.0, 1.0, -3.0, 7.0, 0.0 / 0.0}) {
-        EXPECT_EQ(progress_bar(share, "").size(), half.size()) << share;
+    for (const double fraction : {0.0, 1.0, -3.0, 7.0, 0.0 / 0.0}) {
+        EXPECT_EQ(progress_bar(fraction, "").size(), half.size()) << fraction;
     }
 }
 

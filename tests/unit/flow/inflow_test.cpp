@@ -31,7 +31,7 @@ TEST(Inlets, MakeALayerWhenItIsHalfASpacingPastTheOpening) {
     const Layers layers{spacing, 0};
     for (std::int64_t layer = 0; layer < 40; ++layer) {
         const double time = inlet.start + (double(layer) + 0.5) * spacing / inlet.speed; // its place is 0
-        EXPECT_NEAR(place_of(inlet, layers, layer, time), 0, 1e-15);
+        EXPECT_NEAR(layer_position(inlet, layers, layer, time), 0, 1e-15);
         EXPECT_EQ(layers_until(inlet, layers, time - 1e-6), layer);
         EXPECT_EQ(layers_until(inlet, layers, time + 1e-6), layer + 1);
     }
@@ -41,8 +41,8 @@ TEST(Outlets, TakeWhatIsInABoxOrBehindAPlane) {
     const auto outlets =
         make_outlets({{true, {0, 0, 0}, {1, 1, 1}, {}, {}}, {false, {}, {}, {5, 0, 0}, {-1, 0, 0}}}, 3);
     const auto takes = [&](double x, double y, double z) {
-        const double place[3] = {x, y, z};
-        return outlets.take(place);
+        const double position[3] = {x, y, z};
+        return outlets.take(position);
     };
     EXPECT_TRUE(takes(0.5, 0.5, 0.5));
     EXPECT_FALSE(takes(0.5, 1.1, 0.5));

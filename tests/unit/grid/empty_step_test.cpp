@@ -112,7 +112,7 @@ TEST_F(EmptySteps, LeaveLiquidInClosedGapsAlone) {
                 shape.max = {2, 2, 2};
                 shape.min[up] = 0.005; // 4 % of a cell above the floor
                 block.region = {scene::SolidRegion(shape)};
-                block.reach = 4;
+                block.bounding_radius = 4;
                 sample.setup.rigid.bodies = {block};
                 sample.setup.slip = {{slip}, {0}};
                 sample.liquid = [=](const Vec3& x) { return x[up] - 0.06; };
@@ -139,7 +139,7 @@ TEST_F(EmptySteps, SolveForStressesWithoutAnyPressure) {
         plug.velocity = {0, -0.2, 0};
         plug.region = {scene::SolidRegion(shape)};
         plug.centre = {0.5, 0.7, 0};
-        plug.reach = 0.4;
+        plug.bounding_radius = 0.4;
         sample.setup.rigid.bodies = {plug};
         sample.setup.slip = {{scene::Slip::no_slip}, {0}};
         sample.liquid = [](const Vec3& x) { return box(x, {0.26, 0.51, -1}, {0.74, 0.55, 2}); };

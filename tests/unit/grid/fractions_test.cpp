@@ -44,7 +44,7 @@ struct Block {
             nodes.window.cell(i, c);
             for (int corner = 0; corner < 8; ++corner) {
                 Point x;
-                nodes.place(c, corner, x.data());
+                nodes.position(c, corner, x.data());
                 host(std::size_t(8 * i + corner)) = distance(x);
             }
         }
@@ -136,11 +136,11 @@ TEST_P(FractionCase, APlaneAtAnyAngleHasItsExactVolumeAtEveryPlace) {
         block.build(plane(n, 0.03), [&](const Point& x) { return -plane(n, 0.03)(x); });
         const auto& f = block.fractions;
         // The solid is where n x < d, the liquid all the rest of space.
-        const auto check = [&](const Array<double>& fluid, const Array<double>& liquid, auto place) {
+        const auto check = [&](const Array<double>& fluid, const Array<double>& liquid, auto position) {
             const auto has_fluid = on_host(fluid), has_liquid = on_host(liquid);
             block.for_cells([&](const int* c, std::size_t i) {
                 Point x;
-                place(c, x.data());
+                position(c, x.data());
                 const double d = (0.03 - n[0] * x[0] - n[1] * x[1] - n[2] * x[2]) / block.grid.dx;
                 const double smallest = [&] {
                     double least = 1;
@@ -357,7 +357,7 @@ TEST_P(FractionCase, SharesOfBodiesAndTheFluidFillTheCubes) {
             block.nodes.window.cell(i, c);
             for (int corner = 0; corner < 8; ++corner) {
                 Point x;
-                block.nodes.place(c, corner, x.data());
+                block.nodes.position(c, corner, x.data());
                 host(std::size_t(8 * i + corner)) = moving(x) < resting(x) ? 1 : 0;
             }
         }
@@ -367,19 +367,19 @@ TEST_P(FractionCase, SharesOfBodiesAndTheFluidFillTheCubes) {
     host(0) = 0;
     host(1) = 1;
     Kokkos::deep_copy(moves, host);
-    BodyShares shares[3];
-    block.builder.build_body_shares(block.nodes, solid, number, moves, shares);
+    BodyFractions body_fractions[3];
+    block.builder.build_body_fractions(block.nodes, solid, number, moves, body_fractions);
     Block alone(dimensions, {n, n, dimensions == 3 ? n : 1});
     alone.build(moving, nowhere);
     for (int a = 0; a < dimensions; ++a) {
-        const auto first = on_host(shares[a].first), body = on_host(shares[a].body);
-        const auto share = on_host(shares[a].share), fluid = on_host(block.fractions.face_fluid.axis[a]);
+        const auto first = on_host(body_fractions[a].first), body = on_host(body_fractions[a].body);
+        const auto fraction = on_host(body_fractions[a].fraction), fluid = on_host(block.fractions.face_fluid.axis[a]);
         double total = 0;
         for (int i = 0; i < block.nodes.window.size(); ++i) {
             double here = 0;
             for (int k = first(std::size_t(i)); k < first(std::size_t(i) + 1); ++k) {
                 EXPECT_EQ(body(std::size_t(k)), 1);
-                here += share(std::size_t(k));
+                here += fraction(std::size_t(k));
             }
             ASSERT_LE(here + fluid(std::size_t(i)), 1 + exact);
             total += here;

@@ -60,12 +60,12 @@ TEST_P(LevelSetCase, ABallHasItsVolume) {
         owned.cell(i, c);
         liquid.grid.centre(c, x.data());
         const double r = std::hypot(x[0] - 0.51, x[1] - 0.47, dimensions == 3 ? x[2] - 0.52 : 0);
-        const double share = wet(static_cast<std::size_t>(liquid.faces.window().index(c[0], c[1], c[2])));
+        const double fraction = wet(static_cast<std::size_t>(liquid.faces.window().index(c[0], c[1], c[2])));
         if (r < radius - 1.5 * dx) {
-            ASSERT_EQ(share, 1);
+            ASSERT_EQ(fraction, 1);
         }
         if (r > radius + 1.5 * dx) {
-            ASSERT_EQ(share, 0);
+            ASSERT_EQ(fraction, 0);
         }
     }
 }
@@ -151,12 +151,12 @@ TEST_P(LevelSetCase, LiquidThatTouchesAWallGoesOnInIt) {
         liquid.grid.centre(c, x.data());
         bool near = true;
         for (std::size_t k = 0; k < std::size_t(dimensions); ++k) near = near && x[k] > -dx && x[k] < 1 + dx;
-        const double share = inside(static_cast<std::size_t>(liquid.faces.window().index(c[0], c[1], c[2])));
+        const double fraction = inside(static_cast<std::size_t>(liquid.faces.window().index(c[0], c[1], c[2])));
         if (near && x[std::size_t(up)] < 0.5 - dx) {
-            ASSERT_EQ(share, 1) << x[0] << " " << x[1] << " " << x[2];
+            ASSERT_EQ(fraction, 1) << x[0] << " " << x[1] << " " << x[2];
         }
         if (near && x[std::size_t(up)] > 0.5 + dx) {
-            ASSERT_EQ(share, 0) << x[0] << " " << x[1] << " " << x[2];
+            ASSERT_EQ(fraction, 0) << x[0] << " " << x[1] << " " << x[2];
         }
     }
 }

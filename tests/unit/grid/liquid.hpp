@@ -79,7 +79,7 @@ struct Liquid {
         }
         decomposition.comm().max(std::span<std::int64_t>(bounds));
         for (int k = 0; k < 3; ++k) {
-            const int grow = grid.cells.reach(k) * band;
+            const int grow = grid.cells.halo_width(k) * band;
             block.lo[k] = std::max(0, static_cast<int>(-bounds[k]) - grow);
             block.hi[k] = std::min(grid.cells.count[k], static_cast<int>(bounds[3 + k]) + grow);
         }

@@ -40,7 +40,7 @@ Applied apply(const Comm& comm) {
     run.solve(0.01);
     auto& problem = run.viscosity.problem();
     Mechanisms mechanisms;
-    mechanisms.build(comm, problem.places(), problem.system(), run.halo.owned());
+    mechanisms.build(comm, problem.viscous_faces(), problem.system(), run.halo.owned());
     const std::size_t n = problem.rows();
     std::vector<double> r(n), s(n), z(n, 0.0), t(n, 0.0), kz(n);
     run.set_noise();
@@ -50,12 +50,12 @@ Applied apply(const Comm& comm) {
     mechanisms.add(r, z);
     mechanisms.add(s, t);
     problem.matrix().multiply(z, kz);
-    const auto place_of = on_host(problem.system().place_of());
+    const auto face_of = on_host(problem.system().face_of());
     Applied out{mechanisms.count(), 0, 0, 0, 0};
     double left = 0, right = 0;
     for (std::size_t k = 0; k < problem.faces(); ++k) {
-        const int a = place_of(k) % 3, i = place_of(k) / 3;
-        const auto& faces = problem.places();
+        const int a = face_of(k) % 3, i = face_of(k) / 3;
+        const auto& faces = problem.viscous_faces();
         double stiffness = 0;
         faces.each_stress(a, i, faces.normal, faces.shear, [&](double w) { stiffness += w; });
         out.most = std::max(out.most, std::fabs(z[k]));

@@ -20,7 +20,7 @@ rigid::BodySetup free_body(const Vec3& centre, double mass, double radius) {
     body.centre = centre;
     body.mass = mass;
     for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * mass * radius * radius;
-    body.reach = radius;
+    body.bounding_radius = radius;
     return body;
 }
 
@@ -51,8 +51,8 @@ protected:
 double displaced(const PressureCase& test) {
     double sum = 0;
     test.each_owned([&](std::size_t at, const int*) {
-        const auto& of = test.shares[2];
-        for (int k = of.first(at); k < of.first(at + 1); ++k) sum += of.share(static_cast<std::size_t>(k));
+        const auto& of = test.body_fractions[2];
+        for (int k = of.first(at); k < of.first(at + 1); ++k) sum += of.fraction(static_cast<std::size_t>(k));
     });
     return test.decomposition.comm().sum(sum) * std::pow(test.grid.dx, 3);
 }

@@ -34,43 +34,43 @@ public:
           pressure(comm, sample.options, sample.coupling, sample.dimensions) {
         cut(comm);
         halo.connect(decomposition, grid.cells.all(), 3);
-        const auto places = static_cast<std::size_t>(halo.window().size());
-        distance = Array<double>("distance", places);
+        const auto window_size = static_cast<std::size_t>(halo.window().size());
+        distance = Array<double>("distance", window_size);
         for (int a = 0; a < 3; ++a) {
-            velocity.axis[a] = Array<double>("velocity", places);
-            fractions.open.axis[a] = Array<double>("open", places);
-            fractions.face_fluid.axis[a] = Array<double>("fluid", places);
-            auto& of = shares[static_cast<std::size_t>(a)];
-            of.first = Array<int>("first", places + 1);
-            of.body = Array<int>("body", places);
-            of.share = Array<double>("share", places);
+            velocity.axis[a] = Array<double>("velocity", window_size);
+            fractions.open.axis[a] = Array<double>("open", window_size);
+            fractions.face_fluid.axis[a] = Array<double>("fluid", window_size);
+            auto& of = body_fractions[static_cast<std::size_t>(a)];
+            of.first = Array<int>("first", window_size + 1);
+            of.body = Array<int>("body", window_size);
+            of.fraction = Array<double>("share", window_size);
         }
-        each_place([&](std::size_t at, const int c[3]) { fill(at, c); });
+        each_cell([&](std::size_t at, const int c[3]) { fill(at, c); });
     }
 
     void build() {
         if (sample_.surface_tension > 0) {
-            Array<double> share("share", static_cast<std::size_t>(halo.window().size()));
+            Array<double> fraction("share", static_cast<std::size_t>(halo.window().size()));
             // As linear weights spread liquid below a plane across an axis.
-            each_place([&](std::size_t at, const int*) {
+            each_cell([&](std::size_t at, const int*) {
                 const double d = std::clamp(distance(at) / grid.dx, -1.0, 1.0);
-                share(at) = 0.5 - d + 0.5 * d * std::fabs(d);
+                fraction(at) = 0.5 - d + 0.5 * d * std::fabs(d);
             });
-            curvature.find(grid, halo, share);
+            curvature.find(grid, halo, fraction);
             curvature_ = curvature.at_centres();
         }
         if (sample_.curvature > 0) {
             curvature_ = Array<double>("given_curvature", static_cast<std::size_t>(halo.window().size()));
             Kokkos::deep_copy(curvature_, sample_.curvature);
         }
-        pressure.build({grid, halo, distance, fractions, shares, bodies, sample_.density, sample_.surface_tension,
-            nullptr, nullptr, {}, nullptr, &curvature_});
+        pressure.build({grid, halo, distance, fractions, body_fractions, bodies, sample_.density,
+            sample_.surface_tension, nullptr, nullptr, {}, nullptr, &curvature_});
     }
     PressureReport project(double dt) { return pressure.project(velocity, bodies, dt); }
 
     // Velocities of faces, with their halo. A face that is closed gets 0.
     void set_velocity(const std::function<double(int, const Vec3&)>& u) {
-        each_place([&](std::size_t at, const int c[3]) {
+        each_cell([&](std::size_t at, const int c[3]) {
             for (int a = 0; a < grid.dimensions; ++a) {
                 velocity.axis[a](at) = fractions.open.axis[a](at) > 0 ? u(a, face(a, c)) : 0;
             }
@@ -82,7 +82,7 @@ public:
 
     // use(place, cell) for all cells of the window, or the owned ones.
     template <class Use>
-    void each_place(const Use& use) const {
+    void each_cell(const Use& use) const {
         each(halo.window(), use);
     }
     template <class Use>
@@ -140,7 +140,7 @@ public:
     rigid::RigidBodies bodies;
     Array<double> distance;
     Fractions fractions;
-    FaceShares shares;
+    FaceBodyFractions body_fractions;
     FaceField velocity;
     Curvature curvature;
     Array<double> curvature_;
@@ -197,11 +197,11 @@ private:
             const double solid = std::min(1.0, body + rest);
             fractions.open.axis[a](at) = 1 - solid;
             fractions.face_fluid.axis[a](at) = 1 - solid;
-            auto& of = shares[static_cast<std::size_t>(a)];
+            auto& of = body_fractions[static_cast<std::size_t>(a)];
             of.first(at) = static_cast<int>(at);
             of.first(at + 1) = static_cast<int>(at) + 1;
             of.body(at) = 0;
-            of.share(at) = beyond ? 0 : std::min(body, solid);
+            of.fraction(at) = beyond ? 0 : std::min(body, solid);
         }
     }
 };

@@ -191,7 +191,7 @@ TEST_F(Channel, ShearRatesOfLinearVelocitiesAreExact) {
         Kokkos::deep_copy(free.cell_fluid, 1.0);
         for (int a = 0; a < 3; ++a) free.face_fluid.axis[a] = free.edge_fluid.axis[a] = free.cell_fluid;
         Rheology rheology({curve_of(scene::ViscosityModelKind::power_law, 1, 0.5)});
-        const FaceShares none;
+        const FaceBodyFractions none;
         const BodyMotion motion;
         rheology.compute_rates({tank.grid, tank.faces, fractions, free, none, motion, {}}, u);
         double square = 0;

@@ -62,7 +62,7 @@ TEST(Separation, LetsLiquidFallFromSlopes) {
         plane.centre = {0.5, 0.8, 0};
         plane.axis = {s, -c, 0};
         body.region = {scene::SolidRegion(plane)};
-        body.reach = 10;
+        body.bounding_radius = 10;
         sample.setup.rigid.bodies = {body};
         sample.setup.slip = {{scene::Slip::free_slip}, {0}};
         EXPECT_NEAR(fallen(sample, 0.15), 1, 0.05) << angle;

@@ -14,7 +14,7 @@ rigid::BodySetup body_of(scene::BodyKind kind, const scene::Shape& shape, const 
     body.kind = kind;
     body.centre = centre;
     body.region = {scene::SolidRegion(shape)};
-    body.reach = 10;
+    body.bounding_radius = 10;
     return body;
 }
 

@@ -25,7 +25,7 @@ rigid::BodiesSetup two_bodies(int dimensions) {
     moving.velocity = {1, 0.5, 0};
     moving.angular_velocity = {0, 0, 2};
     moving.region = {box({0.2, 0.45, dimensions == 3 ? 0.4 : -1}, {0.4, 0.55, dimensions == 3 ? 0.6 : 1}, dimensions)};
-    moving.reach = 0.2;
+    moving.bounding_radius = 0.2;
     setup.bodies = {resting, moving};
     return setup;
 }
@@ -54,7 +54,7 @@ protected:
             inside.cell(i, c);
             for (int corner = 0; corner < nodes.used(); ++corner) {
                 Vec3 x;
-                nodes.place(c, corner, x.data());
+                nodes.position(c, corner, x.data());
                 if (x[1] < 0 || x[1] > 1 || x[2] < 0 || x[2] > 1) continue; // beyond walls it is another distance
                 const double due = solids.distance_at(x, bodies);
                 const auto at = std::size_t(8 * nodes.window.index(c[0], c[1], c[2]) + corner);
@@ -125,15 +125,15 @@ TEST_P(SolidCase, PlacesInSolidsArePushedToTheirSurface) {
     const auto sampler = solids.sampler();
     const double z = dimensions == 3 ? 0.5 : 0;
     for (const Vec3& start : {Vec3{0.72, 0.28, z}, Vec3{0.21, 0.48, z}, Vec3{0.5, -0.06, z}}) {
-        const Array<double> place("treacle::place", 3);
+        const Array<double> point("treacle::point", 3);
         const double x0 = start[0], x1 = start[1], x2 = start[2], clearance = 0.05 * dx;
         Kokkos::parallel_for(
             "push", 1, KOKKOS_LAMBDA(int) {
                 double x[3] = {x0, x1, x2};
                 push_out(sampler, clearance, x);
-                for (int k = 0; k < 3; ++k) place(k) = x[k];
+                for (int k = 0; k < 3; ++k) point(k) = x[k];
             });
-        const auto x = on_host(place);
+        const auto x = on_host(point);
         // The clearance, to the error of linear interpolation on a curved surface.
         EXPECT_NEAR(solids.distance_at({x(0), x(1), x(2)}, bodies), clearance, 0.05 * dx);
     }

@@ -45,7 +45,7 @@ inline std::unique_ptr<GridStep> started(const Comm& comm, const StepSample& sam
     auto step = std::make_unique<GridStep>(comm, sample.setup);
     auto& particles = step->particles();
     const auto& domain = sample.setup.domain;
-    std::vector<Vec3> places;
+    std::vector<Vec3> positions;
     std::vector<std::int64_t> ids;
     if (comm.is_root()) {
         const double d = domain.spacing / 2;
@@ -61,15 +61,15 @@ inline std::unique_ptr<GridStep> started(const Comm& comm, const StepSample& sam
                 x[k] = domain.min[k] + d * (double(index[k]) + 0.5 + shift);
             }
             if (!(sample.liquid(x) < 0)) continue;
-            places.push_back(x);
+            positions.push_back(x);
             ids.push_back(i);
         }
     }
-    particles.store.resize_owned(static_cast<int>(places.size()));
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const auto u = sample.velocity(places[i]);
+    particles.store.resize_owned(static_cast<int>(positions.size()));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const auto u = sample.velocity(positions[i]);
         for (std::size_t k = 0; k < 3; ++k) {
-            particles.position()(i, k) = places[i][k];
+            particles.position()(i, k) = positions[i][k];
             particles.velocity()(i, k) = u[k];
             for (int a = 0; a < 3; ++a) particles.affine(a)(i, k) = sample.gradient[static_cast<std::size_t>(a)][k];
         }

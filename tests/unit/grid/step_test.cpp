@@ -34,7 +34,7 @@ rigid::BodySetup ball_body(const Vec3& centre, double radius, double density) {
     body.mass = density * 4.0 / 3 * math::pi * radius * radius * radius;
     for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * body.mass * radius * radius;
     body.region = {scene::SolidRegion(shape)};
-    body.reach = radius;
+    body.bounding_radius = radius;
     return body;
 }
 
@@ -93,10 +93,10 @@ TEST_F(Steps, LeaveATankAtRest) {
 
 // Two drops apart: each has the pressure that it has where both have its surface tension.
 TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
-    const Vec3 places[2] = {{0.25, 0.5, 0.5}, {0.73, 0.47, 0.52}};
+    const Vec3 centres[2] = {{0.25, 0.5, 0.5}, {0.73, 0.47, 0.52}};
     const double radius = 0.17; // four cells, and as many between the drops
     auto sample = ball_of_liquid(24, 0);
-    sample.liquid = [&](const Vec3& x) { return std::min(from(places[0], x), from(places[1], x)) - radius; };
+    sample.liquid = [&](const Vec3& x) { return std::min(from(centres[0], x), from(centres[1], x)) - radius; };
     sample.setup.liquids = 2;
     sample.setup.options.pressure.residual = 1e-12;
     const auto mean_pressures = [&](std::vector<double> tensions) {
@@ -115,7 +115,7 @@ TEST_F(Steps, GiveEachLiquidItsSurfaceTension) {
             owned.cell(n, c);
             step->grid().centre(c, x.data());
             for (std::size_t l = 0; l < 2; ++l) {
-                if (from(places[l], x) > radius / 2) continue;
+                if (from(centres[l], x) > radius / 2) continue;
                 sums[l] += pressure(std::size_t(step->halo().window().index(c[0], c[1], c[2])));
                 sums[2 + l] += 1;
             }
@@ -271,12 +271,12 @@ TEST_F(Steps, LetParticlesAtAFloorMoveAsItHoldsThem) {
             most = std::max(most, std::fabs(state[3]));
             if (state[1] < 0.25 * dx) low = std::max(low, std::fabs(state[3]));
         }
-        const double share = comm.max(low) / comm.max(most);
-        RecordProperty(slip == scene::Slip::no_slip ? "gripped" : "sliding", std::to_string(share));
+        const double ratio = comm.max(low) / comm.max(most);
+        RecordProperty(slip == scene::Slip::no_slip ? "gripped" : "sliding", std::to_string(ratio));
         if (slip == scene::Slip::no_slip) {
-            EXPECT_LT(share, 0.25);
+            EXPECT_LT(ratio, 0.25);
         } else {
-            EXPECT_GT(share, 0.8);
+            EXPECT_GT(ratio, 0.8);
         }
     }
 }

@@ -42,8 +42,8 @@ public:
     void build(double dt) {
         auto& problem = viscosity.problem();
         pressed_ = pressure.describe(scene());
-        problem.find_places(viscous_scene(), bodies, dt);
-        close_held_faces(problem.places(), fractions.open, open);
+        problem.update_faces(viscous_scene(), bodies, dt);
+        close_prescribed_faces(problem.viscous_faces(), fractions.open, open);
         auto closed = scene();
         closed.open = &open;
         pressure.build(closed);
@@ -72,7 +72,7 @@ public:
     std::array<double, 6> momentum(double dt) {
         auto total = bodies.momentum();
         std::array<double, 6> sums{};
-        const auto& mass = viscosity.problem().places().mass;
+        const auto& mass = viscosity.problem().viscous_faces().mass;
         each_owned([&](int a, std::size_t at, const Vec3& x) {
             add_load(a, x.data(), mass.axis[a](at) * dt * velocity.axis[a](at), sums.data());
         });
@@ -91,7 +91,7 @@ public:
     }
     // The fastest face that the solve is about.
     double max_speed() {
-        const auto& role = viscosity.problem().places().role;
+        const auto& role = viscosity.problem().viscous_faces().role;
         double out = 0;
         each_owned([&](int a, std::size_t at, const Vec3&) {
             if (role[a](at) != inactive_face) out = std::max(out, std::fabs(velocity.axis[a](at)));
@@ -122,14 +122,14 @@ private:
         }
     }
     PressureContext scene() {
-        return {grid, halo, distance, fractions, sample.solid_slips ? all_shares : shares, bodies, sample.density,
-            sample.surface_tension};
+        return {grid, halo, distance, fractions, sample.solid_slips ? all_body_fractions : body_fractions, bodies,
+            sample.density, sample.surface_tension};
     }
     ViscousScene viscous_scene() {
         return {.grid = grid,
             .halo = halo,
             .fractions = fractions,
-            .shares = shares,
+            .body_fractions = body_fractions,
             .viscosity = viscosities,
             .density = sample.density,
             .slip = sample.solid_slips ? &slip : nullptr,

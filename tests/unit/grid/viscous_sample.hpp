@@ -52,8 +52,8 @@ public:
           viscosity(comm, sample.options, sample.coupling) {
         cut();
         halo.connect(decomposition, grid.cells.all(), 3);
-        places_ = static_cast<std::size_t>(halo.window().size());
-        for (auto& field : velocity.axis) field = Array<double>("velocity", places_);
+        window_size_ = static_cast<std::size_t>(halo.window().size());
+        for (auto& field : velocity.axis) field = Array<double>("velocity", window_size_);
         fill_fractions();
         fill_viscosities();
         if (sample.solid_slips) fill_slip();
@@ -63,7 +63,7 @@ public:
         return viscosity.solve({.grid = grid,
                                    .halo = halo,
                                    .fractions = fractions,
-                                   .shares = shares,
+                                   .body_fractions = body_fractions,
                                    .viscosity = viscosities,
                                    .density = sample_.density,
                                    .slip = sample_.solid_slips ? &slip : nullptr,
@@ -119,7 +119,7 @@ public:
 
 private:
     const ViscousSample sample_;
-    std::size_t places_ = 0;
+    std::size_t window_size_ = 0;
 
 public:
     const MacGrid grid;
@@ -127,10 +127,10 @@ public:
     CellHalo halo;
     rigid::RigidBodies bodies;
     Fractions fractions;
-    std::array<BodyShares, 3> shares, all_shares; // of bodies that grip; with slip, of all
+    std::array<BodyFractions, 3> body_fractions, all_body_fractions; // of no-slip bodies; with slip, of all
     Viscosities viscosities;
     SlipSolids slip;
-    DistanceSampler no_slip; // of the solids that grip
+    DistanceSampler no_slip; // of the no-slip solids
     FaceField velocity;
     Viscosity viscosity;
 
@@ -185,7 +185,7 @@ private:
             nodes.window.cell(i, c);
             for (int corner = 0; corner < nodes.used(); ++corner) {
                 Vec3 x;
-                nodes.place(c, corner, x.data());
+                nodes.position(c, corner, x.data());
                 out(static_cast<std::size_t>(FineNodes::per_cell * i + corner)) = distance(x);
             }
         }
@@ -210,11 +210,11 @@ private:
         no_slip = {nodes, solid};
         FractionBuilder builder;
         builder.build(nodes, solid, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, fractions);
-        builder.build_body_shares(nodes, solid, number, moves, shares.data());
+        builder.build_body_fractions(nodes, solid, number, moves, body_fractions.data());
     }
     void fill_viscosities() {
-        viscosities.cell = Array<double>("viscosity", places_);
-        for (auto& field : viscosities.edge.axis) field = Array<double>("viscosity", places_);
+        viscosities.cell = Array<double>("viscosity", window_size_);
+        for (auto& field : viscosities.edge.axis) field = Array<double>("viscosity", window_size_);
         each(halo.window(), [&](std::size_t at, const int c[3]) {
             Vec3 x;
             grid.centre(c, x.data());
@@ -229,11 +229,12 @@ private:
         const FineNodes nodes(grid, halo.window());
         FractionBuilder builder;
         no_slip = {nodes, at_nodes(nodes, [&](const Vec3& x) { return walls_at(x); })};
-        builder.build(nodes, no_slip.values, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, slip.grip);
-        slip.length = Array<double>("length", places_);
+        builder.build(
+            nodes, no_slip.values, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, slip.no_slip_fractions);
+        slip.length = Array<double>("length", window_size_);
         Kokkos::deep_copy(slip.length, sample_.slip_length);
-        slip.body = Array<int>("body", places_);
-        slip.distance = Array<double>("distance", places_);
+        slip.body = Array<int>("body", window_size_);
+        slip.distance = Array<double>("distance", window_size_);
         each(halo.window(), [&](std::size_t at, const int c[3]) {
             Vec3 x;
             grid.centre(c, x.data());
@@ -247,8 +248,8 @@ private:
             slip.distance(at) = std::min(least, walls_at(x));
         });
         for (std::size_t a = 0; a < 3; ++a) { // bodies that slip have none
-            all_shares[a] = shares[a];
-            shares[a].first = Array<int>("first", all_shares[a].first.extent(0));
+            all_body_fractions[a] = body_fractions[a];
+            body_fractions[a].first = Array<int>("first", all_body_fractions[a].first.extent(0));
         }
     }
 };

@@ -118,9 +118,9 @@ TEST_F(GridWalls, BearWhatATankHolds) {
         EXPECT_NEAR(mean[6 * floor + 1], tank.down * weight, 0.01 * weight);
         EXPECT_NEAR(mean[6 * ceiling + 1], 0, 0.001 * weight);
         // By the square of the level, which walls that cut cells leave 0.07 cells off.
-        const double share = tank.max[1] < 1 ? 0.02 : 0.01;
-        EXPECT_NEAR(mean[0], -push, share * push);
-        EXPECT_NEAR(mean[6], push, share * push);
+        const double tolerance = tank.max[1] < 1 ? 0.02 : 0.01;
+        EXPECT_NEAR(mean[0], -push, tolerance * push);
+        EXPECT_NEAR(mean[6], push, tolerance * push);
         const double height = tank.down < 0 ? level / 3 : tank.max[1] - level / 3;
         EXPECT_NEAR(mean[5], push * height, 0.03 * push * height) << "about the origin";
         EXPECT_NEAR(mean[6 * floor + 5], tank.down * weight * tank.max[0] / 2, 0.02 * weight * tank.max[0] / 2);
@@ -166,7 +166,7 @@ TEST_F(GridWalls, ALidAsLongAsThePeriodShearsTheLiquid) {
     lid.velocity = {2, 0, 0};
     lid.centre = {0.25, 0.9, 0};
     lid.region = {scene::SolidRegion(shape, 2)};
-    lid.reach = 1;
+    lid.bounding_radius = 1;
     sample.setup.rigid.bodies = {lid};
     sample.setup.rigid.period = {0.5, 0, 0};
     sample.setup.slip = {{scene::Slip::no_slip}, {0.0}};

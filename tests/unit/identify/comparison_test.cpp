@@ -129,10 +129,10 @@ TEST(CompareFrame, DerivativesByTheCameraAreThoseOfOtherPictures) {
     };
     for (const auto& [parameter, step] :
         {Change{view_focal, 0.02}, Change{view_turn, 0.004}, Change{view_turn + 1, 0.004}, Change{view_turn + 2, 0.05},
-            Change{view_place, 0.002}, Change{view_place + 1, 0.002}, Change{view_place + 2, 0.01}}) {
+            Change{view_position, 0.002}, Change{view_position + 1, 0.002}, Change{view_position + 2, 0.01}}) {
         Vec3 turn{0, 0, 0}, move{0, 0, 0};
-        if (parameter >= view_turn && parameter < view_place) turn[std::size_t(parameter - view_turn)] = step;
-        if (parameter >= view_place) move[std::size_t(parameter - view_place)] = step;
+        if (parameter >= view_turn && parameter < view_position) turn[std::size_t(parameter - view_turn)] = step;
+        if (parameter >= view_position) move[std::size_t(parameter - view_position)] = step;
         const auto camera = camera_at(1000 * (parameter == view_focal ? 1 + step : 1), turn, move);
         const auto before = compare(Disc(), Disc(), camera_at()), after = compare(Disc(), Disc(), camera);
         ASSERT_EQ(before.segments.size(), after.segments.size());

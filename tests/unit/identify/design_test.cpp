@@ -15,8 +15,8 @@ RunResiduals run(double x, double y, bool even) {
     for (int s = 0; s < 40; ++s) {
         SegmentResidual one;
         one.points = 25;
-        const double share = even ? 1 : s / 20.0;
-        one.displacement = x + share * y;
+        const double fraction = even ? 1 : s / 20.0;
+        one.displacement = x + fraction * y;
         one.by_view[view_contour] = 1;
         out.segments.push_back(one);
     }

@@ -34,7 +34,7 @@ protected:
         return observe_sheet(
             one, [&](const std::string& name) { return folder_.path() / name; }, touches);
     }
-    const std::string place_ =
+    const std::string position_ =
         "origin: [0.1, 0, 0.2], right: [1, 0, 0], up: [0, 0, 1], y: down, window: 2 mm, noise: 10 mm/s";
     const std::string scale_ = ", pixel: 0.1 mm, pair_interval: 1 ms";
     const test::OwnFolder folder_;
@@ -42,7 +42,7 @@ protected:
 
 TEST_F(SheetTest, FieldsAreInTheSheetsAxesAndOutliersAreCounted) {
     for (int f = 0; f < 4; ++f) write_field("f" + std::to_string(f) + ".txt", 1 + 0.01 * f);
-    const auto one = experiment("files: [\"f*.txt\"], interval: 20 ms, " + place_ + scale_, "from: 10 ms");
+    const auto one = experiment("files: [\"f*.txt\"], interval: 20 ms, " + position_ + scale_, "from: 10 ms");
     EXPECT_EQ(one.kind, ExperimentKind::piv);
     EXPECT_EQ(one.name, "piv");
     const auto sheet = observe(one);
@@ -61,7 +61,7 @@ TEST_F(SheetTest, FieldsAreInTheSheetsAxesAndOutliersAreCounted) {
     const auto point = one.piv.point(last.x, last.y);
     EXPECT_NEAR(point[0], 0.105, 1e-12);
     EXPECT_NEAR(point[2], 0.196, 1e-12);
-    EXPECT_NEAR(observe(experiment("files: [\"f*.txt\"], interval: 20 ms, v: up, " + place_ + scale_))
+    EXPECT_NEAR(observe(experiment("files: [\"f*.txt\"], interval: 20 ms, v: up, " + position_ + scale_))
                     .fields[0]
                     .vectors.back()
                     .v,
@@ -71,7 +71,7 @@ TEST_F(SheetTest, FieldsAreInTheSheetsAxesAndOutliersAreCounted) {
 TEST_F(SheetTest, MasksAndTheMeasuredBallTakeVectorsAway) {
     write_field("f.txt", 1);
     const auto one = experiment(
-        "files: [f.txt], interval: 1 s, mask: [{box: {min: [0.1045, -1, -1], max: [1, 1, 1]}}], " + place_ + scale_);
+        "files: [f.txt], interval: 1 s, mask: [{box: {min: [0.1045, -1, -1], max: [1, 1, 1]}}], " + position_ + scale_);
     const auto sheet = observe(one, [](const Vec3& x, double) { return x[2] < 0.1965; });
     EXPECT_EQ(sheet.counts.masked, 5u);
     EXPECT_EQ(sheet.counts.touching, 5u);
@@ -83,12 +83,12 @@ TEST_F(SheetTest, WhatIsMissingIsSaidWithItsPlaceAndCure) {
     const auto said = [&](const std::string& keys, const std::string& outer = "") {
         return test::refusal([&] { observe(experiment(keys, outer)); });
     };
-    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_).find("study.yaml:4"), std::string::npos);
-    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_).find("does not say its units"), std::string::npos);
-    EXPECT_NE(said("files: [f.txt], " + place_ + scale_).find("interval"), std::string::npos);
+    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + position_).find("study.yaml:4"), std::string::npos);
+    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + position_).find("does not say its units"), std::string::npos);
+    EXPECT_NE(said("files: [f.txt], " + position_ + scale_).find("interval"), std::string::npos);
     EXPECT_NE(
-        said("files: [g*.txt], interval: 1 s, " + place_ + scale_).find("g*.txt is not there"), std::string::npos);
-    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + place_ + scale_, "from: 2 s").find("no field is between"),
+        said("files: [g*.txt], interval: 1 s, " + position_ + scale_).find("g*.txt is not there"), std::string::npos);
+    EXPECT_NE(said("files: [f.txt], interval: 1 s, " + position_ + scale_, "from: 2 s").find("no field is between"),
         std::string::npos);
     for (const char* key : {"right", "up", "y", "window", "noise"}) {
         EXPECT_NE(said("files: [f.txt], interval: 1 s, origin: [0, 0, 0]" + scale_)
@@ -97,7 +97,7 @@ TEST_F(SheetTest, WhatIsMissingIsSaidWithItsPlaceAndCure) {
             << key;
     }
     EXPECT_NE(
-        said("files: [f.txt], interval: 1 s, " + place_ + scale_, "masks: film").find("masks"), std::string::npos);
+        said("files: [f.txt], interval: 1 s, " + position_ + scale_, "masks: film").find("masks"), std::string::npos);
 }
 
 TEST_F(SheetTest, TheBallsTrackIsInTheFieldsAxesWithUnits) {

@@ -26,21 +26,21 @@ video::Mask thread_at(double time, double swing, double sense = 1) {
 }
 
 Turning turning(double swing, double sense = 1) {
-    std::vector<double> times, places;
+    std::vector<double> times, positions;
     for (int k = 0; k < 100; ++k) {
         times.push_back(frame * k);
-        places.push_back(thread_place(thread_at(times.back(), swing, sense)));
+        positions.push_back(thread_column(thread_at(times.back(), swing, sense)));
     }
-    return turning_of(times, places);
+    return turning_of(times, positions);
 }
 
 TEST(ThreadPlace, IsItsMiddleAboveTheHeap) {
     const auto straight = thread_at(0, 0);
-    EXPECT_NEAR(thread_place(straight), 80, 0.5);
+    EXPECT_NEAR(thread_column(straight), 80, 0.5);
     // Rows 49 to 64 of 70, by (r - 40) / 30 of the swing at the heap.
     const double swing = 12 * std::sin(0.3);
-    EXPECT_NEAR(thread_place(thread_at(0, 12)), 80 + swing * (56.5 - 40) / 30, 0.5);
-    EXPECT_TRUE(std::isnan(thread_place({8, 8, std::vector<std::uint8_t>(64, video::mask_background)})));
+    EXPECT_NEAR(thread_column(thread_at(0, 12)), 80 + swing * (56.5 - 40) / 30, 0.5);
+    EXPECT_TRUE(std::isnan(thread_column({8, 8, std::vector<std::uint8_t>(64, video::mask_background)})));
 }
 
 TEST(Turning, HasTheFrequencyOfAThreadThatGoesRound) {
@@ -63,19 +63,19 @@ TEST(Turning, OfAThreadThatStandsIsNone) {
 }
 
 TEST(Turning, ScattersAsItsTurnsDo) {
-    std::vector<double> times, places;
+    std::vector<double> times, positions;
     for (int k = 0; k < 1000; ++k) { // half turns of 0.08 and 0.12 s: turns are alike
         times.push_back(1e-3 * k);
         const double phase = std::fmod(times.back(), 0.2);
-        places.push_back(phase < 0.08 ? std::sin(std::numbers::pi * phase / 0.08)
-                                      : -std::sin(std::numbers::pi * (phase - 0.08) / 0.12));
+        positions.push_back(phase < 0.08 ? std::sin(std::numbers::pi * phase / 0.08)
+                                         : -std::sin(std::numbers::pi * (phase - 0.08) / 0.12));
     }
-    const auto found = turning_of(times, places);
+    const auto found = turning_of(times, positions);
     EXPECT_LT(found.scatter, 0.01);
     EXPECT_NEAR(rate_between(found, 0, 1).rate, 5, 0.15);
     for (std::size_t k = 500; k < 1000; ++k)
-        places[k] = std::sin(2 * std::numbers::pi * 7.5 * (times[k] - 0.5)); // a half faster
-    EXPECT_NEAR(turning_of(times, places).scatter, 0.2, 0.1); // few turns of 0.2 and 0.13 s, and one between them
+        positions[k] = std::sin(2 * std::numbers::pi * 7.5 * (times[k] - 0.5)); // a half faster
+    EXPECT_NEAR(turning_of(times, positions).scatter, 0.2, 0.1); // few turns of 0.2 and 0.13 s, and one between them
 }
 
 } // namespace

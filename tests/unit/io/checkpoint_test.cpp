@@ -25,7 +25,7 @@ std::vector<double> rows_of(std::int64_t first, std::int64_t count) {
 constexpr std::int64_t total = 101;
 
 // Uneven, rank 0 without rows when there are others.
-std::pair<std::int64_t, std::int64_t> writers_share() {
+std::pair<std::int64_t, std::int64_t> writers_rows() {
     if (world().size() == 1) return {0, total};
     if (world().rank() == 0) return {0, 0};
     if (world().size() == 2) return {0, total};
@@ -34,7 +34,7 @@ std::pair<std::int64_t, std::int64_t> writers_share() {
 }
 
 void write_sample(const std::filesystem::path& path, double time) {
-    const auto [first, count] = writers_share();
+    const auto [first, count] = writers_rows();
     CheckpointWriter writer(world(), path);
     writer.attribute("time", time);
     writer.attribute("step", 77);
@@ -93,7 +93,7 @@ TEST(Checkpoint, EveryBitComesBackOnTheSameRanks) {
     EXPECT_EQ(history[2], std::numeric_limits<double>::denorm_min());
     EXPECT_EQ(reader.replicated<std::int64_t>("random/counters")[0], std::numeric_limits<std::int64_t>::max());
     EXPECT_TRUE(reader.replicated<double>("nothing").empty());
-    const auto [first, count] = writers_share();
+    const auto [first, count] = writers_rows();
     const auto rows = reader.distributed<double>("liquid/position");
     EXPECT_EQ(rows.components, 3);
     EXPECT_EQ(rows.total, total);
@@ -174,7 +174,7 @@ TEST(Checkpoint, AFlippedByteAnywhereIsFoundOrHarmless) {
         ++harmless;
         const CheckpointReader reader(world(), broken);
         EXPECT_EQ(reader.attribute<double>("time"), 0.25) << "byte " << at;
-        const auto [first, count] = writers_share();
+        const auto [first, count] = writers_rows();
         EXPECT_EQ(reader.distributed<double>("liquid/position").values, rows_of(first, count)) << "byte " << at;
     }
     EXPECT_LT(harmless, tried);

@@ -64,10 +64,10 @@ TEST(Frame, SharesOfTheRanksAreTheWhole) {
     const TemporaryFolder folder(world());
     FrameWriter writer(world(), folder, "liquid", Precision::float64);
     const auto path = writer.write(0, 0, sample_of(50, 1).block());
-    const auto share = read_frame(world(), path);
-    EXPECT_EQ(share.total, 50);
-    EXPECT_EQ(world().all_gather(share.positions), Sample(0, 50).positions);
-    EXPECT_LE(share.size(), 50 / world().size() + 1);
+    const auto part = read_frame(world(), path);
+    EXPECT_EQ(part.total, 50);
+    EXPECT_EQ(world().all_gather(part.positions), Sample(0, 50).positions);
+    EXPECT_LE(part.size(), 50 / world().size() + 1);
 }
 
 TEST(Frame, TheSeriesListsEveryFrameOnce) {

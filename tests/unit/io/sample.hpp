@@ -38,7 +38,7 @@ struct Part {
 inline Part part_without(const treacle::Comm& comm, int total, int empty_rank) {
     if (comm.size() == 1) return {0, total};
     const int active = comm.size() - 1;
-    const int place = comm.rank() - (comm.rank() > empty_rank ? 1 : 0);
-    const int first = total * place / active, end = total * (place + 1) / active;
+    const int index = comm.rank() - (comm.rank() > empty_rank ? 1 : 0);
+    const int first = total * index / active, end = total * (index + 1) / active;
     return comm.rank() == empty_rank ? Part{0, 0} : Part{first, end - first};
 }

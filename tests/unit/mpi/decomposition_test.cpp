@@ -14,7 +14,7 @@ struct Weighted {
 
 // Weighted cells, dealt out to the ranks without regard to their boxes.
 template <class Weight>
-Weighted share(const Comm& comm, const CellGrid& grid, const Weight& weight) {
+Weighted weigh_cells(const Comm& comm, const CellGrid& grid, const Weight& weight) {
     Weighted out;
     const auto all = grid.all();
     for (int k = comm.rank(); k < all.size(); k += comm.size()) {
@@ -77,7 +77,8 @@ TEST(Decomposition, BoxesAndTreePartitionTheGrid) {
     for (const auto& count : {std::array{7, 5, 3}, std::array{40, 1, 1}, std::array{9, 9, 1}, std::array{2, 3, 2}}) {
         Decomposition decomposition(comm, test::make_grid(count[2] == 1 ? 2 : 3, count));
         expect_partition(decomposition);
-        const auto skewed = share(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
+        const auto skewed =
+            weigh_cells(comm, decomposition.grid(), [](int x, int y, int) { return x == 0 ? 1.0 + y : 0.0; });
         decomposition.repartition(skewed.cells, skewed.weights);
         expect_partition(decomposition);
     }
@@ -88,7 +89,7 @@ TEST(Decomposition, MoreRanksThanCellsLeaveEmptyBoxes) {
     for (const int cells : {1, 2, 3}) {
         Decomposition decomposition(comm, test::make_grid(3, {cells, 1, 1}));
         expect_partition(decomposition);
-        const auto weighted = share(comm, decomposition.grid(), [](int, int, int) { return 1.0; });
+        const auto weighted = weigh_cells(comm, decomposition.grid(), [](int, int, int) { return 1.0; });
         decomposition.repartition(weighted.cells, weighted.weights);
         expect_partition(decomposition);
         int occupied = 0;
@@ -113,7 +114,7 @@ TEST(Decomposition, WithoutWeightsTheBoxesAreAboutEqual) {
 TEST(Decomposition, BalancesASkewedWeight) {
     const auto comm = Comm::world();
     Decomposition decomposition(comm, test::make_grid(3, {64, 32, 16}));
-    const auto weighted = share(comm, decomposition.grid(),
+    const auto weighted = weigh_cells(comm, decomposition.grid(),
         [](int x, int y, int z) { return x + y + 2 * z < 60 ? std::exp(-0.05 * x - 0.03 * y) : 0.0; });
     decomposition.repartition(weighted.cells, weighted.weights);
     expect_partition(decomposition);
@@ -136,8 +137,8 @@ TEST(Decomposition, BalancesASkewedWeight) {
 TEST(Decomposition, ALoadInOneCellGoesToOneRank) {
     const auto comm = Comm::world();
     Decomposition decomposition(comm, test::make_grid(3, {8, 8, 8}));
-    const auto weighted =
-        share(comm, decomposition.grid(), [](int x, int y, int z) { return x == 3 && y == 6 && z == 1 ? 5.0 : 0.0; });
+    const auto weighted = weigh_cells(
+        comm, decomposition.grid(), [](int x, int y, int z) { return x == 3 && y == 6 && z == 1 ? 5.0 : 0.0; });
     decomposition.repartition(weighted.cells, weighted.weights);
     expect_partition(decomposition);
     const auto load = loads(decomposition, weighted);
@@ -148,7 +149,7 @@ TEST(Decomposition, StateRestoresBoxesAndTree) {
     const auto comm = Comm::world();
     const auto grid = test::make_grid(3, {10, 12, 6});
     Decomposition cut(comm, grid), restored(comm, grid);
-    const auto weighted = share(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
+    const auto weighted = weigh_cells(comm, grid, [](int x, int y, int z) { return 1.0 / (1 + x * x + y + 3 * z); });
     cut.repartition(weighted.cells, weighted.weights);
     restored.restore(cut.state());
     EXPECT_EQ(restored.state(), cut.state());

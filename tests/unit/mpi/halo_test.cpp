@@ -76,11 +76,11 @@ std::vector<test::Point> expected_ghosts(
     const CellGrid& grid, const CellBox& box, const std::vector<test::Point>& all) {
     std::vector<test::Point> out;
     if (box.empty()) return out;
-    CellBox reached = box;
+    CellBox ghosted = box;
     int images[3];
     for (int k = 0; k < 3; ++k) {
-        reached.lo[k] -= grid.reach(k);
-        reached.hi[k] += grid.reach(k);
+        ghosted.lo[k] -= grid.halo_width(k);
+        ghosted.hi[k] += grid.halo_width(k);
         images[k] = grid.periodic(k) ? 1 : 0;
     }
     for (const auto& point : all) {
@@ -95,7 +95,7 @@ std::vector<test::Point> expected_ghosts(
                         c[k] = home[k] + shift[k] * grid.count[k];
                         image.x[k] += shift[k] * grid.period[k];
                     }
-                    if (reached.contains(c) && !box.contains(c)) out.push_back(image);
+                    if (ghosted.contains(c) && !box.contains(c)) out.push_back(image);
                 }
             }
         }

@@ -11,8 +11,8 @@ namespace {
 std::vector<std::int64_t> keys_of(int rank) {
     std::vector<std::int64_t> keys;
     for (int x = 4 * rank; x < 4 * rank + 10 && rank % 3 != 2; ++x) {
-        const int place[3] = {x, -x, 7};
-        keys.push_back(LatticeKey::pack(place));
+        const int node[3] = {x, -x, 7};
+        keys.push_back(LatticeKey::pack(node));
     }
     std::reverse(keys.begin(), keys.end()); // in no order that the ranks share
     return keys;
@@ -66,10 +66,10 @@ TEST(SharedNodeSum, adds_up_all_copies_and_counts_each_row_once) {
 
 TEST(SharedNodeSum, keys_of_places_are_unpacked_as_they_were) {
     for (const int x : {-(1 << 20), -1, 0, 1, (1 << 20) - 1}) {
-        const int place[3] = {x, 5, -x - 1};
+        const int node[3] = {x, 5, -x - 1};
         int out[3];
-        LatticeKey::unpack(LatticeKey::pack(place), out);
-        for (int k = 0; k < 3; ++k) EXPECT_EQ(out[k], place[k]);
+        LatticeKey::unpack(LatticeKey::pack(node), out);
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(out[k], node[k]);
     }
 }
 

@@ -16,8 +16,8 @@ std::vector<Vec3> outline() {
         {0.085, -0.56}, {0.12, -0.3}, {0.12, 0}, {0.12, 0.3}, {0.085, 0.56}};
     std::vector<Vec3> out;
     for (int k = 0; k < 10; ++k) {
-        for (const auto& [radius, share] : corners) {
-            const double angle = 2 * pi * (k + 0.5 * share) / 10;
+        for (const auto& [radius, fraction] : corners) {
+            const double angle = 2 * pi * (k + 0.5 * fraction) / 10;
             out.push_back({radius * std::cos(angle), 0, -radius * std::sin(angle)});
         }
     }
@@ -86,7 +86,7 @@ BodiesSetup train(double spacing) {
     return setup;
 }
 
-std::vector<Vec3> placed(const RigidBodies& bodies, std::size_t b) {
+std::vector<Vec3> moved_points(const RigidBodies& bodies, std::size_t b) {
     auto out = outline();
     const auto turn = to_matrix(bodies.pose(b).turn), first = to_matrix(rotation_by(Vec3{0, angles[b] * pi / 180, 0}));
     for (auto& x : out) x = axles[b] + turn * (first * x);
@@ -95,7 +95,7 @@ std::vector<Vec3> placed(const RigidBodies& bodies, std::size_t b) {
 
 // Between two gears, negative where they overlap [m].
 double gap_between(const RigidBodies& bodies, std::size_t a, std::size_t b) {
-    const auto one = placed(bodies, a), other = placed(bodies, b);
+    const auto one = moved_points(bodies, a), other = moved_points(bodies, b);
     double least = 1e300;
     for (const auto& x : one) least = std::min(least, distance_to(other, x));
     for (const auto& x : other) least = std::min(least, distance_to(one, x));

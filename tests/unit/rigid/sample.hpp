@@ -41,7 +41,7 @@ inline BodySetup make_body(const scene::Shape& shape, int dimensions = 3) {
         for (const auto& x : scene::sample_surface(region, {0.05, 0, {}}).positions) out.probes.push_back({x, 0});
     }
     for (const auto& probe : out.probes) {
-        out.reach = std::max(out.reach, length(probe.point - out.centre) + probe.radius);
+        out.bounding_radius = std::max(out.bounding_radius, length(probe.point - out.centre) + probe.radius);
     }
     out.region = {region};
     return out;

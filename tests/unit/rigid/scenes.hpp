@@ -55,7 +55,8 @@ inline BodySetup make_static(const scene::Shape& shape, int dimensions) {
     else
         out.centre = region.moments().centre;
     for (const auto& x : scene::sample_surface(region, sampling).positions) out.probes.push_back({x, 0});
-    for (const auto& probe : out.probes) out.reach = std::max(out.reach, length(probe.point - out.centre));
+    for (const auto& probe : out.probes)
+        out.bounding_radius = std::max(out.bounding_radius, length(probe.point - out.centre));
     return out;
 }
 

@@ -70,7 +70,7 @@ TEST(Sliding, BallsCylindersAndDiscsRollDownASlope) {
         std::string name;
         Tilt tilt;
         scene::Shape shape;
-        double share; // of g sin, without sliding
+        double fraction; // of g sin, without sliding
     };
     const std::vector<Case> cases{{"ball", space, roller(scene::ShapeKind::sphere, space, 0), 5.0 / 7},
         {"cylinder", space, roller(scene::ShapeKind::cylinder, space, 0.2), 2.0 / 3},
@@ -81,7 +81,7 @@ TEST(Sliding, BallsCylindersAndDiscsRollDownASlope) {
             auto body = make_body(one.shape, one.tilt.dimensions);
             RigidBodies bodies(on(floor, body, one.tilt, 0.5));
             run(bodies, dt, 150);
-            const double expected = one.share * gravity * std::sin(one.tilt.angle);
+            const double expected = one.fraction * gravity * std::sin(one.tilt.angle);
             EXPECT_NEAR(speed_of(bodies, one.tilt) / bodies.time(), expected, 0.01 * expected)
                 << one.name << " on " << floor.name;
             EXPECT_NEAR(height_of(bodies, one.tilt), 0.1, 0.02 * 0.05) << one.name << " on " << floor.name;
@@ -121,14 +121,14 @@ TEST(Sliding, BarsThatCrossTouchAtTheirEdges) {
         const double half = 0.05 * std::sqrt(2.0);
         const Vec3 shift{beside, 0.007, 2 * half + 0.02};
         for (std::size_t k = 0; k < 3; ++k) upper.min[k] += shift[k], upper.max[k] += shift[k];
-        auto held = make_static(lower, 3), bar = make_body(upper);
+        auto fixed = make_static(lower, 3), bar = make_body(upper);
         bar.velocity = {0, 0, -1};
         bar.restitution = 1;
-        RigidBodies bodies(world({held, bar}));
+        RigidBodies bodies(world({fixed, bar}));
         run(bodies, 1e-3, 40);
         // Off its middle by 7 mm it turns a little.
-        const double share = 1 / (1 + bar.mass * 0.007 * 0.007 / bar.inertia[0][0]);
-        EXPECT_NEAR(bodies.velocity(1)[2], 2 * share - 1, 0.02) << beside;
+        const double fraction = 1 / (1 + bar.mass * 0.007 * 0.007 / bar.inertia[0][0]);
+        EXPECT_NEAR(bodies.velocity(1)[2], 2 * fraction - 1, 0.02) << beside;
         EXPECT_NEAR(bodies.velocity(1)[0], 0, 1e-3);
     }
 }

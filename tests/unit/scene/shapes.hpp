@@ -69,12 +69,12 @@ inline TriangleMesh sphere_mesh(int levels) {
     for (int level = 0; level < levels; ++level) {
         std::map<std::pair<int, int>, int> middles;
         const auto middle = [&](int a, int b) {
-            const auto [place, fresh] = middles.try_emplace(std::minmax(a, b), int(m.vertices.size()));
+            const auto [slot, fresh] = middles.try_emplace(std::minmax(a, b), int(m.vertices.size()));
             if (fresh) {
                 const Vec3 x = plus(m.vertices[a], 1, m.vertices[b]);
                 m.vertices.push_back(plus({0, 0, 0}, 1 / gap(x, {0, 0, 0}), x));
             }
-            return place->second;
+            return slot->second;
         };
         std::vector<std::array<int, 3>> finer;
         for (const auto& [a, b, c] : m.triangles) {

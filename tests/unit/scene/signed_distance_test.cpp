@@ -180,8 +180,8 @@ TEST(SignedDistance, OfTheBunnyTakesMicroseconds) {
     EXPECT_LT(taken / n, 20e-6); // measured 5 microseconds
     std::printf("%.2f us per query\n", taken / n * 1e6);
     // Three standard deviations of counting.
-    const double share = region.volume() / (1.2 * 1.2 * 1.2);
-    EXPECT_NEAR(double(inside) / n, share, 3 * std::sqrt(share / n));
+    const double fraction = region.volume() / (1.2 * 1.2 * 1.2);
+    EXPECT_NEAR(double(inside) / n, fraction, 3 * std::sqrt(fraction / n));
 }
 
 TEST(PlaneScene, RegionsAreTheCutAtZeroHeight) {

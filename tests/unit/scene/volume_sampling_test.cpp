@@ -30,10 +30,10 @@ std::vector<Bounds> cut(const Bounds& box, int n, double spacing) {
         Bounds& old = parts[std::size_t(i * 7) % parts.size()];
         Bounds other = old;
         const int axis = i % 3;
-        double place = old.min[axis] + 0.37 * (old.max[axis] - old.min[axis]);
-        if (i % 2 == 0) place = (std::floor(place / spacing) + 0.5) * spacing; // exactly on lattice points
-        if (place <= old.min[axis] || place >= old.max[axis]) continue;
-        old.max[axis] = other.min[axis] = place;
+        double plane = old.min[axis] + 0.37 * (old.max[axis] - old.min[axis]);
+        if (i % 2 == 0) plane = (std::floor(plane / spacing) + 0.5) * spacing; // exactly on lattice points
+        if (plane <= old.min[axis] || plane >= old.max[axis]) continue;
+        old.max[axis] = other.min[axis] = plane;
         parts.push_back(other);
     }
     return parts;
@@ -233,13 +233,13 @@ TEST(VolumeSampling, InADomainThatIsNoMultipleOfTheSpacingNoParticleIsCloseToThe
 TEST(VolumeSampling, ALiquidAThousandTimesTooLargeIsFoundOutAtOnce) {
     const Lattice lattice{0.001, {0, 0, 0}, {1, 1, 1}, 3}; // millimetres taken for metres
     const Overlap overlap = find_outside({SolidRegion(round(ShapeKind::sphere, {0, 0, 0}, 1000))}, lattice);
-    EXPECT_GT(overlap.share(), 0.99);
+    EXPECT_GT(overlap.fraction(), 0.99);
 }
 
 TEST(VolumeSampling, TheShareOfSolidsIsTheirVolume) {
     const Lattice lattice{0.02, {0, 0, 0}, {1, 1, 1}, 3};
-    const double share = solid_share({SolidRegion(round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.3))}, lattice);
-    EXPECT_NEAR(share / (4 * std::numbers::pi / 3 * 0.027), 1, 0.02); // lattice points in a ball, R = 15 d
+    const double fraction = solid_fraction({SolidRegion(round(ShapeKind::sphere, {0.5, 0.5, 0.5}, 0.3))}, lattice);
+    EXPECT_NEAR(fraction / (4 * std::numbers::pi / 3 * 0.027), 1, 0.02); // lattice points in a ball, R = 15 d
 }
 
 TEST(VolumeSampling, ALatticeTooLargeToNumberIsRefused) {

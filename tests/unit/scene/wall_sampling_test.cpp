@@ -28,11 +28,11 @@ double largest_gap(const WallSampling& s, const WallSamples& samples) {
     for (int side = 0; side < 2 * dims; ++side)
         for (int j = 0; j <= (dims == 3 ? n : 0); ++j)
             for (int i = 0; i <= n; ++i) {
-                const double place[2] = {double(i) / n, double(j) / n};
+                const double fraction[2] = {double(i) / n, double(j) / n};
                 Vec3 x{0, 0, 0};
                 for (int a = 0, t = 0; a < dims; ++a) {
                     const double low = s.lattice.min[a] - s.outset, high = s.lattice.max[a] + s.outset;
-                    x[a] = a == side / 2 ? (side % 2 ? high : low) : low + place[t++] * (high - low);
+                    x[a] = a == side / 2 ? (side % 2 ? high : low) : low + fraction[t++] * (high - low);
                 }
                 double best = 1e300;
                 for (const Vec3& p : samples.positions)
@@ -48,12 +48,12 @@ TEST(WallSampling, LiesOnTheLatticeOfTheLiquidAlongTheFace) {
     const auto s = walls({1, 1, 1}, 0.1, 0.07, {O, O, W, O, O, O});
     const auto samples = sample_domain_walls(s);
     ASSERT_EQ(samples.positions.size(), 100u);
-    std::set<Vec3> places(samples.positions.begin(), samples.positions.end());
+    std::set<Vec3> positions(samples.positions.begin(), samples.positions.end());
     for (int k = 0; k < 10; ++k)
         for (int i = 0; i < 10; ++i) {
             Vec3 x = s.lattice.position({i, 0, k});
             x[1] = -0.07;
-            EXPECT_TRUE(places.count(x)) << i << " " << k;
+            EXPECT_TRUE(positions.count(x)) << i << " " << k;
         }
     for (const Vec3& n : samples.normals) EXPECT_EQ(n, (Vec3{0, 1, 0}));
 }

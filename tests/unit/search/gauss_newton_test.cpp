@@ -57,12 +57,12 @@ double herschel_bulkley(const Point& x, double rate) {
 std::vector<double> fronts(const Point& x, const Point& truth, double noise) {
     std::vector<double> out;
     for (const double height : {1.0, 0.5}) {
-        double place = 0, true_place = 0;
+        double position = 0, true_position = 0;
         for (int i = 0; i < 60; ++i) {
             const double rate = height * 70 * std::exp(-0.05 * i);
-            place += 60 * height / (1 + herschel_bulkley(x, rate));
-            true_place += 60 * height / (1 + herschel_bulkley(truth, rate));
-            out.push_back(place - true_place + noise * std::sin(37.0 * i + 100 * height));
+            position += 60 * height / (1 + herschel_bulkley(x, rate));
+            true_position += 60 * height / (1 + herschel_bulkley(truth, rate));
+            out.push_back(position - true_position + noise * std::sin(37.0 * i + 100 * height));
         }
     }
     return out;

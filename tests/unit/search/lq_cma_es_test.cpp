@@ -24,11 +24,11 @@ TEST(LqModel, IsExactForItsOwnPolynomials) {
     const auto full = through(bent, 12);
     EXPECT_NEAR(full.at({5, -4}), bent({5, -4}), 1e-9);
     EXPECT_NEAR(full.agreement(12), 1, 1e-15);
-    const auto place = full.minimum();
-    ASSERT_TRUE(place);
-    for (const double c : full.gradient(*place)) EXPECT_NEAR(c, 0, 1e-9);
-    EXPECT_NEAR(4 * (*place)[0] + (*place)[1], -1, 1e-9);
-    EXPECT_NEAR((*place)[0] + 6 * (*place)[1], 2, 1e-9);
+    const auto minimum = full.minimum();
+    ASSERT_TRUE(minimum);
+    for (const double c : full.gradient(*minimum)) EXPECT_NEAR(c, 0, 1e-9);
+    EXPECT_NEAR(4 * (*minimum)[0] + (*minimum)[1], -1, 1e-9);
+    EXPECT_NEAR((*minimum)[0] + 6 * (*minimum)[1], 2, 1e-9);
 }
 
 TEST(LqModel, HasAsManyTermsAsItsValuesSufficeFor) {

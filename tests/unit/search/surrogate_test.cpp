@@ -49,11 +49,11 @@ TEST(GaussianProcess, KnowsItsError) {
     const auto process = through(scattered(25, 2, 4), waves);
     double squares = 0;
     int outside = 0;
-    const auto places = scattered(200, 2, 3, 1);
-    for (const auto& x : places) {
+    const auto points = scattered(200, 2, 3, 1);
+    for (const auto& x : points) {
         const auto [mean, deviation] = process.at(x);
         const double z = (mean - waves(x)) / deviation;
-        squares += z * z / double(places.size());
+        squares += z * z / double(points.size());
         outside += std::abs(z) > 3;
     }
     EXPECT_LE(outside, 6);

@@ -78,9 +78,9 @@ TEST_F(EmptySystems, leave_hierarchies_as_good_as_new) {
         Matrix matrix(comm, system.blocks());
         const auto cells = cells_of(system, width);
         multilevel.set_up(matrix, {.cells = cells});
-        const std::vector<double> places(cells.begin(), cells.end());
+        const std::vector<double> positions(cells.begin(), cells.end());
         const std::vector<signed char> axes(static_cast<std::size_t>(system.rows), 0);
-        rigid.set_up(matrix, {3, 1.0, cells, places, axes, {}});
+        rigid.set_up(matrix, {3, 1.0, cells, positions, axes, {}});
         const auto r = system.values(noise);
         std::vector<double> z(r.size(), 0.0);
         multilevel.apply(r, z);
@@ -101,13 +101,13 @@ TEST_F(EmptySystems, of_some_ranks_take_part_in_all_exchanges) {
             comm, system.first, std::vector<Index>(system.halo.columns().begin(), system.halo.columns().end()));
     Matrix matrix(comm, system.blocks());
     const auto cells = cells_of(system, width);
-    const std::vector<double> places(cells.begin(), cells.end());
+    const std::vector<double> positions(cells.begin(), cells.end());
     const std::vector<signed char> axes(static_cast<std::size_t>(system.rows), 0);
     Multilevel multilevel(comm, {.max_coarse_size = 10});
     multilevel.set_up(matrix, {.cells = cells});
     expect_symmetric_and_positive(comm, system, [&](auto from, auto to) { multilevel.apply(from, to); });
     RigidMultilevel rigid(comm, {.max_coarse_size = 10});
-    rigid.set_up(matrix, {3, 1.0, cells, places, axes, {}});
+    rigid.set_up(matrix, {3, 1.0, cells, positions, axes, {}});
     expect_symmetric_and_positive(comm, system, [&](auto from, auto to) { rigid.apply(from, to); });
 }
 

@@ -11,7 +11,7 @@ namespace treacle::solve::multilevel_test {
 
 namespace {
 
-using Place = std::array<int, 3>;
+using Cell = std::array<int, 3>;
 
 // A system, the cells of its rows, and a solver with the multilevel preconditioner.
 struct Sample {
@@ -22,11 +22,11 @@ struct Sample {
     Multilevel multilevel;
     int set_ups = 0;
 
-    Sample(
-        const Comm& group, TestSystem given, const std::function<Place(Index)>& place, const MultilevelOptions& options)
+    Sample(const Comm& group, TestSystem given, const std::function<Cell(Index)>& cell_of,
+        const MultilevelOptions& options)
         : comm(group), system(std::move(given)), multilevel(group, options) {
         for (Index i = system.first; i < system.first + system.rows; ++i) {
-            const auto cell = place(i);
+            const auto cell = cell_of(i);
             cells.insert(cells.end(), cell.begin(), cell.end());
         }
         walls.assign(static_cast<std::size_t>(system.rows), 0.0);
@@ -55,7 +55,7 @@ struct Sample {
 };
 
 // Cells of 2 x 2 x 2 rows.
-Place pair_cell(Index n, Index i) { return {int(i % n) / 2, int(i / n % n) / 2, int(i / (n * n)) / 2}; }
+Cell pair_cell(Index n, Index i) { return {int(i % n) / 2, int(i / n % n) / 2, int(i / (n * n)) / 2}; }
 
 struct Variant {
     std::string name;
@@ -151,13 +151,13 @@ TEST_P(EachMultilevel, solves_two_rows_and_a_system_without_unknowns) {
     Sample sample(
         comm, TestSystem(comm, 2, two),
         [](Index i) {
-            return Place{int(i), 0, 0};
+            return Cell{int(i), 0, 0};
         },
         chosen.options);
     EXPECT_LE(sample.iterations(1e-10), 2);
     const auto none = [](Index) { return std::vector<TestSystem::Entry>{}; };
     Sample empty(
-        comm, TestSystem(comm, 0, none), [](Index) { return Place{}; }, chosen.options);
+        comm, TestSystem(comm, 0, none), [](Index) { return Cell{}; }, chosen.options);
     EXPECT_EQ(empty.iterations(1e-10), 0);
     EXPECT_EQ(empty.set_ups, 0);
 }
@@ -166,7 +166,7 @@ TEST_P(EachMultilevel, solves_rows_without_neighbours_scattered_over_all_cells) 
     const auto alone = [](Index i) { return std::vector<TestSystem::Entry>{{i, 1.0 + i % 5}}; };
     const auto far = [](Index i) {
         const int step = i % 2 == 0 ? 9001 : -8999;
-        return Place{step * int(i % 101), -step * int(i % 7), 3 * int(i)};
+        return Cell{step * int(i % 101), -step * int(i % 7), 3 * int(i)};
     };
     Sample sample(comm, TestSystem(comm, 300, alone), far, chosen.options);
     EXPECT_LE(sample.iterations(1e-10), 60);
@@ -181,8 +181,8 @@ TEST_P(EachMultilevel, solves_components_that_are_not_connected) {
         if (!last) row.emplace_back(i + 1, -1.0);
         return row;
     };
-    const auto place = [](Index i) { return Place{int(i % 20) / 3, 2 * int(i / 20), 0}; };
-    Sample sample(comm, TestSystem(comm, 1000, chains), place, chosen.options);
+    const auto cell_of = [](Index i) { return Cell{int(i % 20) / 3, 2 * int(i / 20), 0}; };
+    Sample sample(comm, TestSystem(comm, 1000, chains), cell_of, chosen.options);
     // Grids take cells side by side for coupled in one direction alone, as these are.
     EXPECT_LE(sample.iterations(1e-9), 80);
 }
@@ -226,7 +226,7 @@ TEST(Multilevel, with_a_cell_for_each_row_and_no_overcorrection_is_the_inverse) 
     Sample sample(
         comm, poisson(comm, n, Border::dirichlet),
         [](Index i) {
-            return Place{int(i % n), int(i / n % n), int(i / (n * n))};
+            return Cell{int(i % n), int(i / n % n), int(i / (n * n))};
         },
         options);
     EXPECT_EQ(sample.iterations(1e-11), 1);
@@ -235,8 +235,8 @@ TEST(Multilevel, with_a_cell_for_each_row_and_no_overcorrection_is_the_inverse) 
 TEST(Multilevel, on_grids_with_a_cell_for_each_row_of_several_densities_is_the_inverse) {
     const auto comm = Comm::world();
     const Index n = 7;
-    const auto place = [](Index i) { return Place{int(i % n), int(i / n % n), int(i / (n * n))}; };
-    const auto density = [place](Index i) { return place(i)[2] < 3 ? 0.1 : 1.0 + 0.2 * place(i)[0]; };
+    const auto cell_of = [](Index i) { return Cell{int(i % n), int(i / n % n), int(i / (n * n))}; };
+    const auto density = [cell_of](Index i) { return cell_of(i)[2] < 3 ? 0.1 : 1.0 + 0.2 * cell_of(i)[0]; };
     const auto plain = poisson(comm, n, Border::dirichlet).row;
     const auto row = [=](Index i) { // couplings over the mean density of both; the border's over the row's own
         auto entries = plain(i);
@@ -254,7 +254,7 @@ TEST(Multilevel, on_grids_with_a_cell_for_each_row_of_several_densities_is_the_i
     auto chosen = variant("grids");
     chosen.options.max_coarse_size = 1000;
     chosen.options.grid_coupling = 1;
-    Sample sample(comm, TestSystem(comm, n * n * n, row), place, chosen.options);
+    Sample sample(comm, TestSystem(comm, n * n * n, row), cell_of, chosen.options);
     for (const int low : {-1, int(n)}) {
         for (int b = 0; b < n; ++b) {
             for (int a = 0; a < n; ++a) {

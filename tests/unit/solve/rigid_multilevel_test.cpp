@@ -56,7 +56,7 @@ struct Sample {
     TestSystem system;
     RigidMultilevel multilevel;
     std::vector<int> cells;
-    std::vector<double> places;
+    std::vector<double> positions;
     std::vector<signed char> axes;
     std::vector<unsigned char> aside;
 
@@ -68,12 +68,12 @@ struct Sample {
         for (Index i = system.first; i < system.first + system.rows; ++i) {
             for (const int x : springs.corner(i / 3)) {
                 cells.push_back(x);
-                places.push_back(0.1 * x);
+                positions.push_back(0.1 * x);
             }
             axes.push_back(static_cast<signed char>(i % 3));
         }
     }
-    VelocityRows rows() const { return {3, 0.1, cells, places, axes, aside}; }
+    VelocityRows rows() const { return {3, 0.1, cells, positions, axes, aside}; }
     int iterations() {
         Matrix a(comm, system.blocks());
         KrylovOptions options;

@@ -42,7 +42,7 @@ Sample brick_in_liquid(const Vec3& velocity, double density_ratio) {
     }
     brick.velocity = velocity;
     brick.angular_velocity = {0.5, -1, 2};
-    brick.reach = 4 * spacing;
+    brick.bounding_radius = 4 * spacing;
     sample.setup.rigid.bodies = {brick};
     sample.setup.rigid.spacing = spacing;
     sample.setup.first_body = 1;
@@ -52,9 +52,9 @@ Sample brick_in_liquid(const Vec3& velocity, double density_ratio) {
     return sample;
 }
 
-enum class Held { by_each_other, by_a_hinge_too };
+enum class Constraint { by_each_other, by_a_hinge_too };
 // Two of them side by side, linked by a ball joint; the second one, solid number 2, may be hinged to the world.
-Sample linked_bricks(Held held) {
+Sample linked_bricks(Constraint constraint) {
     using rigid::operator*;
     using rigid::operator+;
     auto sample = brick_in_liquid({1.5, 0.2, -0.1}, 0.3);
@@ -78,7 +78,7 @@ Sample linked_bricks(Held held) {
     ball.other = 1;
     ball.point = 0.5 * (rigid.bodies[0].centre + other.centre);
     rigid.joints = {ball};
-    if (held == Held::by_a_hinge_too) {
+    if (constraint == Constraint::by_a_hinge_too) {
         rigid::JointSetup hinge;
         hinge.kind = scene::JointKind::hinge;
         hinge.body = 1;
@@ -118,7 +118,7 @@ TEST(Bodies, KeepTheMomentumOfLiquidAndBodyTogether) {
 }
 
 TEST(Bodies, ThatAreLinkedKeepTheMomentumOfAllTogether) {
-    const auto step = started(Comm::world(), linked_bricks(Held::by_each_other));
+    const auto step = started(Comm::world(), linked_bricks(Constraint::by_each_other));
     const auto before = total_momentum(*step);
     for (int k = 0; k < 10; ++k) {
         step->advance(dt);
@@ -130,7 +130,7 @@ TEST(Bodies, ThatAreLinkedKeepTheMomentumOfAllTogether) {
 }
 
 TEST(Bodies, ThatAreHingedGiveTheWorldWhatTheirJointsReport) {
-    const auto step = started(Comm::world(), linked_bricks(Held::by_a_hinge_too));
+    const auto step = started(Comm::world(), linked_bricks(Constraint::by_a_hinge_too));
     auto expected = total_momentum(*step);
     const double scale = std::abs(expected[0]);
     double given = 0;
@@ -187,8 +187,8 @@ TEST(Bodies, CarryTheirParticlesWithThem) {
     using rigid::operator-;
     for (int s = 0; s < step->solid().store.owned(); ++s) {
         const Vec3 arm = axes * (at_start.at(id(s)) - sample.setup.rigid.bodies[0].centre);
-        const Vec3 place = bodies.pose(0).centre + arm;
-        for (int k = 0; k < 3; ++k) EXPECT_NEAR(x(s, k), place[std::size_t(k)], 1e-14);
+        const Vec3 position = bodies.pose(0).centre + arm;
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(x(s, k), position[std::size_t(k)], 1e-14);
     }
 }
 
@@ -236,8 +236,8 @@ TEST(RigidCouplingTerm, IsSymmetricPositiveAndTheSameOnAnyNumberOfRanks) {
 }
 
 TEST(RigidCouplingTerm, IsSymmetricPositiveAndTheSameOnAnyNumberOfRanksWithJoints) {
-    expect_symmetric_and_positive(linked_bricks(Held::by_each_other));
-    expect_symmetric_and_positive(linked_bricks(Held::by_a_hinge_too));
+    expect_symmetric_and_positive(linked_bricks(Constraint::by_each_other));
+    expect_symmetric_and_positive(linked_bricks(Constraint::by_a_hinge_too));
 }
 
 // A ball let go in liquid at rest under gravity: what holds back a light body is the liquid that it moves.

@@ -61,7 +61,7 @@ std::map<std::int64_t, double> gather(Parts& parts, const std::vector<double>& o
 
 // The grids' part of the preconditioner by itself: its smoother does next to nothing, its first grid is solved for.
 std::map<std::int64_t, double> solve_grid(
-    Parts& parts, const std::map<std::int64_t, Vec3>& places, const std::map<std::int64_t, double>& sources) {
+    Parts& parts, const std::map<std::int64_t, Vec3>& positions, const std::map<std::int64_t, double>& sources) {
     auto& system = parts.system;
     const auto& grid = parts.setup.grid;
     const auto rows = static_cast<std::size_t>(system.rows());
@@ -72,11 +72,11 @@ std::map<std::int64_t, double> solve_grid(
     for (int i = 0; i < parts.liquid.store.owned(); ++i) {
         if (row(i) < 0) continue;
         const auto r = static_cast<std::size_t>(row(i) - system.first_row());
-        const auto c = cell_of(grid, places.at(id(i)));
+        const auto c = cell_of(grid, positions.at(id(i)));
         std::copy(c.begin(), c.end(), &where[3 * r]);
         b[r] = sources.at(id(i));
     }
-    for (const auto& [id, x] : places) {
+    for (const auto& [id, x] : positions) {
         const auto c = cell_of(grid, x);
         if (at_edge(c)) dirichlet.insert(dirichlet.end(), c.begin(), c.end());
     }
@@ -98,18 +98,18 @@ std::map<std::int64_t, double> solve_grid(
 // Bilinear between the middles of cells; p = 0 in those without a pressure.
 double interpolate(const CellGrid& grid, const std::map<Cell, double>& pressures, const Vec3& x) {
     Cell low = cell_of(grid, x);
-    double share[2];
+    double fraction[2];
     for (int k = 0; k < 2; ++k) {
         const double along = (x[std::size_t(k)] - grid.origin[k]) * grid.inverse_width[k] - 0.5;
         low[std::size_t(k)] = static_cast<int>(std::floor(along));
-        share[k] = along - std::floor(along);
+        fraction[k] = along - std::floor(along);
     }
     double sum = 0;
     for (int corner = 0; corner < 4; ++corner) {
         const int i = corner % 2, j = corner / 2;
         const auto found = pressures.find({low[0] + i, low[1] + j, low[2]});
         if (found != pressures.end()) {
-            sum += (i == 0 ? 1 - share[0] : share[0]) * (j == 0 ? 1 - share[1] : share[1]) * found->second;
+            sum += (i == 0 ? 1 - fraction[0] : fraction[0]) * (j == 0 ? 1 - fraction[1] : fraction[1]) * found->second;
         }
     }
     return sum;
@@ -118,29 +118,29 @@ double interpolate(const CellGrid& grid, const std::map<Cell, double>& pressures
 std::vector<Point> solve_square(const Arrangement& arrangement) {
     const auto sample = make_square(arrangement);
     const auto& grid = sample.setup.grid;
-    std::map<std::int64_t, Vec3> places;
+    std::map<std::int64_t, Vec3> positions;
     std::map<std::int64_t, double> sources;
     for (std::size_t k = 0; k < sample.liquid.size(); ++k) {
-        places[id_of(k)] = sample.liquid[k].x;
+        positions[id_of(k)] = sample.liquid[k].x;
         sources[id_of(k)] = in_middle(cell_of(grid, sample.liquid[k].x)) ? source : 0;
     }
     Parts parts(Comm::world(), sample);
     parts.predict_roles(LastPressures::known, dt);
     parts.set_by_id(parts.liquid.role(),
-        [&](std::int64_t id) { return at_edge(cell_of(grid, places.at(id))) ? Role::dirichlet : Role::poisson; });
+        [&](std::int64_t id) { return at_edge(cell_of(grid, positions.at(id))) ? Role::dirichlet : Role::poisson; });
     parts.halo.gather(parts.liquid.store, {parts.liquid.role_field()});
     parts.assemble();
     const auto system = gather_system(parts);
     Eigen::VectorXd b(system.right_hand_side.size());
     for (Eigen::Index r = 0; r < b.size(); ++r) b(r) = sources.at(system.ids[std::size_t(r)]);
     const Eigen::VectorXd p = system.matrix.llt().solve(b);
-    const auto on_grid = solve_grid(parts, places, sources);
+    const auto on_grid = solve_grid(parts, positions, sources);
     std::map<Cell, double> of_cells;
-    for (const auto id : system.ids) of_cells[cell_of(grid, places.at(id))] = on_grid.at(id);
+    for (const auto id : system.ids) of_cells[cell_of(grid, positions.at(id))] = on_grid.at(id);
     std::vector<Point> out;
     for (std::size_t r = 0; r < system.ids.size(); ++r) {
         const auto id = system.ids[r];
-        out.push_back({places.at(id), p(Eigen::Index(r)), interpolate(grid, of_cells, places.at(id))});
+        out.push_back({positions.at(id), p(Eigen::Index(r)), interpolate(grid, of_cells, positions.at(id))});
     }
     return out;
 }

@@ -12,8 +12,10 @@ constexpr double rate = 4 / dt;
 Sample free_space(SolidTerm term = SolidTerm::exact) {
     SphOptions options;
     options.pressure.solid_term = term;
-    const double reach = 40 * spacing;
-    return {make_setup(make_domain(3, {-reach, -reach, -reach}, {reach, reach, reach}), options), {}, {}};
+    const double half_width = 40 * spacing;
+    return {make_setup(
+                make_domain(3, {-half_width, -half_width, -half_width}, {half_width, half_width, half_width}), options),
+        {}, {}};
 }
 
 Eigen::VectorXd eigenvalues(Parts& parts) {

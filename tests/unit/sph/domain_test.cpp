@@ -71,7 +71,7 @@ TEST(CellGrid, NamesAPeriodAndItsLeastByNumbersThatDifferWhereTheyDo) {
 TEST(CellGrid, APlaneHasOneLayerOfCells) {
     const auto grid = make_cell_grid(make_domain(2, {0, 0, 0}, {1, 1, 0}), 0.1);
     EXPECT_EQ(grid.count[2], 1);
-    EXPECT_EQ(grid.reach(2), 0);
+    EXPECT_EQ(grid.halo_width(2), 0);
     int c[3];
     grid.locate(0.5, 0.5, 0, c);
     EXPECT_EQ(c[2], 0);

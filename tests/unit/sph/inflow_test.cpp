@@ -50,14 +50,14 @@ TEST(Inflow, LayersFollowFromTheTimeAlone) {
     auto setup = jet().setup;
     auto inlet = setup.inflow.inlets.front();
     inlet.start = 1;
-    const int held = buffer_layers(setup.constants);
+    const int prescribed = buffer_layers(setup.constants);
     const auto passed = [&](double layers) {
         return inlet.start + layers * spacing / speed;
     }; // half of them and a half
     EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), 0.99), 0);
-    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), 1), held);
-    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.49)), held);
-    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.51)), held + 1);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), 1), prescribed);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.49)), prescribed);
+    EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(0.51)), prescribed + 1);
     inlet.end = passed(40);
     EXPECT_EQ(layers_until(inlet, layers_of(setup.constants), passed(39)),
         40); // those that have yet to pass it are there already
@@ -130,18 +130,18 @@ TEST(Inflow, HeldParticlesCarryAStiffRope) {
         }
         const auto inlet = by_id(comm, step->liquid(), step->liquid().inlet());
         const double length = falling * steps * dt, strained = rest_density * 9.81 * length * length / (4 * viscosity);
-        int held = 0, hanging = 0;
+        int prescribed = 0, hanging = 0;
         for (const auto& [id, state] : all_states(comm, step->liquid())) {
             if (inlet.at(id) > 0) {
                 EXPECT_EQ(state.u[1], -falling);
                 EXPECT_EQ(state.u[0], 0);
-                ++held;
+                ++prescribed;
             } else {
                 EXPECT_NEAR(state.u[1], -falling, 4 * strained + 1e-6); // 4: fewer neighbours at the sides
                 ++hanging;
             }
         }
-        EXPECT_GT(held, 0);
+        EXPECT_GT(prescribed, 0);
         EXPECT_GT(hanging, 20);
         EXPECT_LT(4 * strained, 0.05); // or the test would measure no difference to 9.81 m/s2 in 0.6 s
     }

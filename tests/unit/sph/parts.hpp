@@ -30,8 +30,8 @@ struct Parts {
             cells.insert(cells.end(), cell.begin(), cell.end());
         }
         decomposition.repartition(cells, std::vector<double>(cells.size() / 3, 1.0));
-        place(liquid.store, halo, liquid_cells);
-        place(solid.store, solid_halo, solid_cells);
+        distribute(liquid.store, halo, liquid_cells);
+        distribute(solid.store, solid_halo, solid_cells);
         const double support = setup.constants.support;
         NeighbourList solids;
         solids.build(solid.store, solid.store, setup.grid, solid_cells, support);
@@ -81,7 +81,7 @@ struct Parts {
 
 private:
     // The window spans the rank's whole box: a rank may need solids where it has none of its own.
-    void place(ParticleStore& store, Halo& ghosts, CellList& cells) {
+    void distribute(ParticleStore& store, Halo& ghosts, CellList& cells) {
         Migration migration;
         CellSort sort;
         migration.to_owner(store, decomposition);
@@ -118,31 +118,31 @@ inline DenseSystem gather_rows(Parts& parts, const std::vector<RowsOf>& particle
         }
     }
     row_ids = comm.all_gather(std::span<const std::int64_t>(row_ids));
-    std::vector<std::int64_t> places;
+    std::vector<std::int64_t> rows_and_columns;
     std::vector<double> values, sources;
     const auto add_block = [&](const PressureSystem::Block& block, const auto& global) {
         const auto offset = test::on_host(block.offset), column = test::on_host(block.column);
         const auto value = test::on_host(block.value);
         for (int r = 0; r < system.rows(); ++r) {
             for (int k = offset(r); k < offset(r + 1); ++k) {
-                places.push_back(system.first_row() + r);
-                places.push_back(global(column(k)));
+                rows_and_columns.push_back(system.first_row() + r);
+                rows_and_columns.push_back(global(column(k)));
                 values.push_back(value(k));
             }
         }
     };
     add_block(system.own(), [&](int column) { return system.first_row() + column; });
-    add_block(system.other(), [&](int place) { return system.halo().columns()[std::size_t(place)]; });
+    add_block(system.other(), [&](int column) { return system.halo().columns()[std::size_t(column)]; });
     const auto b = test::on_host(system.right_hand_side());
     for (int r = 0; r < system.rows(); ++r) sources.push_back(b(r));
-    places = comm.all_gather(std::span<const std::int64_t>(places));
+    rows_and_columns = comm.all_gather(std::span<const std::int64_t>(rows_and_columns));
     values = comm.all_gather(std::span<const double>(values));
     sources = comm.all_gather(std::span<const double>(sources));
 
     DenseSystem out;
     out.ids = row_ids;
     std::sort(out.ids.begin(), out.ids.end());
-    const auto place = [&](std::int64_t global_row) {
+    const auto dense_index = [&](std::int64_t global_row) {
         const auto at = std::lower_bound(out.ids.begin(), out.ids.end(), row_ids[std::size_t(global_row)]);
         return at - out.ids.begin();
     };
@@ -151,9 +151,9 @@ inline DenseSystem gather_rows(Parts& parts, const std::vector<RowsOf>& particle
     out.matrix = Eigen::MatrixXd::Zero(n, n);
     out.right_hand_side = Eigen::VectorXd::Zero(n);
     for (std::size_t k = 0; k < values.size(); ++k) {
-        out.matrix(place(places[2 * k]), place(places[2 * k + 1])) += values[k];
+        out.matrix(dense_index(rows_and_columns[2 * k]), dense_index(rows_and_columns[2 * k + 1])) += values[k];
     }
-    for (Eigen::Index r = 0; r < n; ++r) out.right_hand_side(place(r)) = sources[std::size_t(r)];
+    for (Eigen::Index r = 0; r < n; ++r) out.right_hand_side(dense_index(r)) = sources[std::size_t(r)];
     return out;
 }
 

@@ -26,7 +26,7 @@ struct SolidPoint {
 };
 
 // Ids are the places in the lists, spread so that they follow no order in space.
-inline std::int64_t id_of(std::size_t place) { return static_cast<std::int64_t>(place * 7919 % 1000003); }
+inline std::int64_t id_of(std::size_t index) { return static_cast<std::int64_t>(index * 7919 % 1000003); }
 
 struct Sample {
     IsphSetup setup;
@@ -131,7 +131,7 @@ inline void converge(Sample& sample, const Vec3& centre, double rate) {
 
 // Puts this rank's part of the lists, every size-th particle, into empty stores.
 inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid, SolidParticles& solid) {
-    const auto share = [&](std::size_t n) {
+    const auto split = [&](std::size_t n) {
         std::vector<std::size_t> mine;
         for (std::size_t k = 0; k < n; ++k) {
             if (static_cast<int>(k) % comm.size() == comm.rank()) mine.push_back(k);
@@ -140,7 +140,7 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
     };
     const auto& domain = sample.setup.domain;
     std::vector<test::Point> points;
-    const auto drops = share(sample.liquid.size());
+    const auto drops = split(sample.liquid.size());
     for (const auto k : drops) {
         test::Point point{id_of(k), {}};
         for (int c = 0; c < 3; ++c) point.x[std::size_t(c)] = domain.wrap(c, sample.liquid[k].x[std::size_t(c)]);
@@ -159,7 +159,7 @@ inline void put(const Comm& comm, const Sample& sample, LiquidParticles& liquid,
         for (std::size_t i = 0; i < drops.size(); ++i) v(i) = sample.liquid[drops[i]].liquid;
     });
     points.clear();
-    const auto bricks = share(sample.solid.size());
+    const auto bricks = split(sample.solid.size());
     for (const auto k : bricks) {
         test::Point point{id_of(k), {}};
         for (int c = 0; c < 3; ++c) point.x[std::size_t(c)] = domain.wrap(c, sample.solid[k].x[std::size_t(c)]);

@@ -162,15 +162,15 @@ TEST(IsphStep, LiquidMeetsTheSolidsOfOtherRanksWhereItsOwnRankHasNone) {
         });
         return by_id(comm, step->liquid(), counts);
     };
-    for (int place = 4; place < 28; place += 2) {
+    for (int index = 4; index < 28; index += 2) {
         Sample sample{make_setup(make_domain(3, {0, 0, 0}, {32 * spacing, 8 * spacing, 8 * spacing}), tight()), {}, {}};
         add_block(sample, {{spacing, 2 * spacing, 2 * spacing}, {30, 4, 4}});
-        add_shell(sample, {(place + 0.5) * spacing, 6 * spacing, 3 * spacing}, {1, 2, 2}, 1);
+        add_shell(sample, {(index + 0.5) * spacing, 6 * spacing, 3 * spacing}, {1, 2, 2}, 1);
         const auto one = solids_around(Comm::self(), sample);
         double pairs = 0;
         for (const auto& [id, n] : one) pairs += n;
         ASSERT_GT(pairs, 30);
-        EXPECT_EQ(solids_around(Comm::world(), sample), one) << "the body at " << place;
+        EXPECT_EQ(solids_around(Comm::world(), sample), one) << "the body at " << index;
     }
 }
 

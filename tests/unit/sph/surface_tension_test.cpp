@@ -178,9 +178,9 @@ TEST(SurfaceTension, CohesionEnergyIsThatOfTheLattice) {
                 }
                 return sum;
             };
-            const int reach = 4, depth = dimensions == 3 ? reach : 0;
-            for (int apart = 1; apart <= reach; ++apart) { // as many pairs of layers are that far apart
-                for (int i = -reach; i <= reach; ++i) {
+            const int support_cells = 4, depth = dimensions == 3 ? support_cells : 0;
+            for (int apart = 1; apart <= support_cells; ++apart) { // as many pairs of layers are that far apart
+                for (int i = -support_cells; i <= support_cells; ++i) {
                     for (int k = -depth; k <= depth; ++k) {
                         const double r = d * std::sqrt(double(apart * apart + i * i + k * k));
                         if (r < h) energy += apart * potential(r);

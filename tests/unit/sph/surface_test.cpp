@@ -31,13 +31,13 @@ SphOptions with_rule(DirichletRule rule) {
 }
 
 // Whether a place of the block's list has a side without neighbours: the floor covers the lowest layer.
-bool on_rim(std::size_t place, int dimensions) {
-    const auto x = static_cast<int>(place % edge), y = static_cast<int>(place / edge % edge),
-               z = static_cast<int>(place / edge / edge);
+bool on_rim(std::size_t index, int dimensions) {
+    const auto x = static_cast<int>(index % edge), y = static_cast<int>(index / edge % edge),
+               z = static_cast<int>(index / edge / edge);
     return x == 0 || x == edge - 1 || y == edge - 1 || (dimensions == 3 && (z == 0 || z == edge - 1));
 }
 
-std::map<std::int64_t, std::size_t> places(const Sample& sample) {
+std::map<std::int64_t, std::size_t> indices_by_id(const Sample& sample) {
     std::map<std::int64_t, std::size_t> out;
     for (std::size_t k = 0; k < sample.liquid.size(); ++k) out[id_of(k)] = k;
     return out;
@@ -50,12 +50,12 @@ TEST(FreeSurface, ByGeometryIsTheOutermostLayerWhereNoSolidCoversIt) {
             const auto sample = make_block(with_rule(DirichletRule::surface), jitter, dimensions);
             Parts parts(Comm::world(), sample);
             parts.predict_roles(LastPressures::known, dt);
-            const auto place = places(sample);
+            const auto index = indices_by_id(sample);
             for (const auto& [id, role] : by_id(parts.comm, parts.liquid, parts.liquid.role())) {
                 // Low on a side, the floor that goes on there is cover too.
-                if (on_rim(place.at(id), dimensions) && place.at(id) / edge % edge < 2) continue;
-                ASSERT_EQ(role == double(Role::dirichlet), on_rim(place.at(id), dimensions))
-                    << place.at(id) << " in " << dimensions << " dimensions";
+                if (on_rim(index.at(id), dimensions) && index.at(id) / edge % edge < 2) continue;
+                ASSERT_EQ(role == double(Role::dirichlet), on_rim(index.at(id), dimensions))
+                    << index.at(id) << " in " << dimensions << " dimensions";
             }
         }
     }
@@ -66,12 +66,12 @@ TEST(FreeSurface, ByDensityIsTheOutermostLayers) {
         const auto sample = make_block(with_rule(rule), 0);
         Parts parts(Comm::world(), sample);
         parts.predict_roles(LastPressures::known, dt);
-        const auto place = places(sample);
+        const auto index = indices_by_id(sample);
         const auto rho = by_id(parts.comm, parts.liquid, parts.liquid.density());
         for (const auto& [id, role] : by_id(parts.comm, parts.liquid, parts.liquid.role())) {
             // Nothing moves, so that the predicted density is the density.
             ASSERT_EQ(role == double(Role::dirichlet), rho.at(id) < 0.97 * rest_density);
-            if (on_rim(place.at(id), 3)) {
+            if (on_rim(index.at(id), 3)) {
                 ASSERT_EQ(role, double(Role::dirichlet));
             }
         }
@@ -86,12 +86,12 @@ TEST(FreeSurface, GhostsMakeUpForWhatTheLatticeLacksAndLeaveNoneDirichlet) {
     const auto roles = parts.predict_roles(LastPressures::known, dt);
     EXPECT_EQ(roles.dirichlet, 0);
     EXPECT_EQ(parts.anchor(), 0) << "ghosts anchor";
-    const auto place = places(sample);
+    const auto index = indices_by_id(sample);
     const auto ghosts = by_id(parts.comm, parts.liquid, parts.liquid.wall_term());
     const auto& c = sample.setup.constants;
     const double half = compute_wall_sums({KernelKind::cubic_spline, 3, c.support, spacing, spacing}, spacing).missing;
     const double full = sample.setup.constants.laplacian_diagonal;
-    for (const auto& [id, k] : place) {
+    for (const auto& [id, k] : index) {
         const auto x = int(k % edge), y = int(k / edge % edge), z = int(k / edge / edge);
         const bool middle = std::min({x, z, edge - 1 - x, edge - 1 - z}) >= 4;
         if (middle && y == 4) {

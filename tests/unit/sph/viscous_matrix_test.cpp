@@ -63,10 +63,10 @@ double asymmetry(const Sample& sample) {
     const auto& comm = one.test.parts.comm;
     const auto& blocks = one.matrix.matrix()->blocks();
     EXPECT_NO_THROW(solve::check_pattern(blocks));
-    std::vector<std::int64_t> places;
+    std::vector<std::int64_t> entries;
     std::vector<double> values;
     const auto enter = [&](solve::Index row, std::int64_t column, double value) {
-        places.push_back(std::int64_t(blocks.first_row + row) * blocks.global_rows + column);
+        entries.push_back(std::int64_t(blocks.first_row + row) * blocks.global_rows + column);
         values.push_back(value);
     };
     for (solve::Index row = 0; row < blocks.rows; ++row) {
@@ -77,11 +77,11 @@ double asymmetry(const Sample& sample) {
             enter(row, blocks.halo->columns()[std::size_t(blocks.off_columns[k])], blocks.off_values[k]);
         }
     }
-    places = comm.all_gather(std::span<const std::int64_t>(places));
+    entries = comm.all_gather(std::span<const std::int64_t>(entries));
     values = comm.all_gather(std::span<const double>(values));
     const Eigen::Index n = blocks.global_rows;
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
-    for (std::size_t k = 0; k < values.size(); ++k) matrix(places[k] / n, places[k] % n) = values[k];
+    for (std::size_t k = 0; k < values.size(); ++k) matrix(entries[k] / n, entries[k] % n) = values[k];
     return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() / matrix.cwiseAbs().maxCoeff();
 }
 } // namespace

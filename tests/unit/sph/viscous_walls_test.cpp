@@ -75,8 +75,8 @@ Sample channel(int dimensions, double slip) {
     sample.setup.rigid.bodies = {plate};
     sample.setup.rigid.dimensions = dimensions;
     sample.setup.first_body = 1;
-    const double grips = slip > 0 ? 0 : 1;
-    sample.setup.forces.friction = {grips, grips};
+    const double friction = slip > 0 ? 0 : 1;
+    sample.setup.forces.friction = {friction, friction};
     sample.setup.forces.slip_length = {slip, slip};
     return sample;
 }

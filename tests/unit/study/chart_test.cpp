@@ -35,8 +35,8 @@ TEST(Chart, TheLegendStandsBesideTheAxesAndWithinThePicture) {
     // A letter of sans-serif is at most some 7 of 12 pixels wide on average.
     EXPECT_LT(names.front() + 7 * double(std::string("measured & more").size()), two_lines().width);
     // Entries follow each other without a gap for what has no name.
-    const auto places = numbers(text, "<text x=\"[0-9.]+\" y=\"([0-9.]+)\" text-anchor=\"start\"");
-    EXPECT_NEAR(places[1] - places[0], 18, 0.1);
+    const auto heights = numbers(text, "<text x=\"[0-9.]+\" y=\"([0-9.]+)\" text-anchor=\"start\"");
+    EXPECT_NEAR(heights[1] - heights[0], 18, 0.1);
 }
 
 TEST(Chart, WithoutNamesTheAxesHaveTheWholeWidth) {

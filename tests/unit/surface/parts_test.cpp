@@ -29,8 +29,8 @@ TEST(CroppedSurface, IsClosedAtTheSidesOfTheBox) {
     const auto& mesh = mesher.build(part.rows());
     EXPECT_TRUE(check_mesh(Comm::world(), mesh).none());
     const double height = radius + side,
-                 share = height * height * (3 * radius - height) / (4 * radius * radius * radius);
-    EXPECT_NEAR(mesher.summary().volume / cloud.count(), share, 0.01);
+                 fraction = height * height * (3 * radius - height) / (4 * radius * radius * radius);
+    EXPECT_NEAR(mesher.summary().volume / cloud.count(), fraction, 0.01);
     double farthest = -100;
     for (std::size_t v = 0; v < mesh.vertices.size(); v += 3) farthest = std::max(farthest, mesh.vertices[v]);
     EXPECT_NEAR(Comm::world().max(farthest), side, 1e-12);

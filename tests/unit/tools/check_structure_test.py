@@ -87,6 +87,13 @@ class CheckStructure(unittest.TestCase):
         self.assert_found("src/rigid/a.cpp", "void rub(Ledger& ledger);\n", "rub: write solve_friction")
         self.assertEqual("", findings({"src/rigid/a.cpp": "// rub\nvoid scrub();\n"}))
 
+    def test_words_of_several_meanings_are_found_in_names(self):
+        for name, text in (("src/sph/a.cpp", "int halo_place = 0;"), ("kokkos/a.hpp", "struct FaceShares {};"),
+                           ("src/grid/body_shares.cpp", "")):
+            self.assertIn("one word for each meaning", findings({name: text}), name)
+        sound = {"src/sph/a.cpp": "std::holds_alternative<int>(replaced); // held in one place\nconst char* key = \"share\";\n"}
+        self.assertEqual("", findings(sound))
+
     def test_documents_cite_files_that_are_there(self):
         self.assert_found("src/sph/README.md", "See `gone.cpp`.\n", "there is no gone.cpp")
         self.assert_found("src/sph/README.md", "See [it](gone.md#part).\n", "there is no gone.md")

@@ -14,7 +14,7 @@ struct Noisy {
     PivField field;
     std::set<std::size_t> outliers;
 
-    explicit Noisy(double share, int seed = 1) {
+    explicit Noisy(double fraction, int seed = 1) {
         std::mt19937 generator{std::uint32_t(seed)};
         std::normal_distribution<double> normal(0, 0.02);
         std::uniform_real_distribution<double> any(-1, 1), chance(0, 1);
@@ -27,7 +27,7 @@ struct Noisy {
                 field.u.push_back(0.3 * x * y / 100 * far + normal(generator));
                 field.v.push_back(-far + normal(generator));
                 field.valid.push_back(1);
-                if (chance(generator) >= share) continue;
+                if (chance(generator) >= fraction) continue;
                 field.u[i] = any(generator);
                 field.v[i] = any(generator);
                 outliers.insert(i);

@@ -34,8 +34,8 @@ struct NodeSums {
     KOKKOS_INLINE_FUNCTION void operator()(int v) const {
         Float4 sum = massive ? Float4(mass(v)) * Float4::load(u.data() + 4 * std::int64_t(v)) : Float4(0.0f);
         for (int c = 0; c < corners<D>; ++c) {
-            const int place = around(corners<D> * v + c);
-            if (place >= 0) sum = sum + Float4::load(force.data() + 4 * std::int64_t(place));
+            const int slot = around(corners<D> * v + c);
+            if (slot >= 0) sum = sum + Float4::load(force.data() + 4 * std::int64_t(slot));
         }
         sum.store(out.data() + 4 * std::int64_t(v));
     }
@@ -69,10 +69,10 @@ struct Smooth {
 // Key of a corner of a cell on a level of keys.
 template <int D>
 std::int64_t corner_key(const LatticeShape& shape, const int cell[3], int corner) {
-    int place[3] = {cell[0], cell[1], cell[2]};
-    for (int k = 0; k < D; ++k) place[k] += corner >> k & 1;
-    shape.wrap(place);
-    return LatticeKey::pack(place);
+    int node[3] = {cell[0], cell[1], cell[2]};
+    for (int k = 0; k < D; ++k) node[k] += corner >> k & 1;
+    shape.wrap(node);
+    return LatticeKey::pack(node);
 }
 } // namespace
 
@@ -93,10 +93,10 @@ void VelocityCells<D>::connect(const Comm& comm) {
     std::vector<int> host_around(count * n, -1);
     for (std::size_t e = 0; e < cell_keys.size(); ++e) {
         for (std::size_t a = 0; a < n; ++a) {
-            int* places = &host_around[n * static_cast<std::size_t>(host_corner[n * e + a])];
+            int* slots = &host_around[n * static_cast<std::size_t>(host_corner[n * e + a])];
             std::size_t free = 0;
-            while (places[free] >= 0) ++free; // a periodic axis of one cell has it on both sides: never more than n
-            places[free] = static_cast<int>(n * e + a);
+            while (slots[free] >= 0) ++free; // a periodic axis of one cell has it on both sides: never more than n
+            slots[free] = static_cast<int>(n * e + a);
         }
     }
     assign(corner, host_corner);
@@ -173,8 +173,8 @@ void VelocityCells<D>::subtract_product() {
 }
 
 template <int D>
-void VelocityCells<D>::smooth(int steps, double share, bool first) {
-    const double middle = largest * (1 + share) / 2, half = largest * (1 - share) / 2, sigma = middle / half;
+void VelocityCells<D>::smooth(int steps, double fraction, bool first) {
+    const double middle = largest * (1 + fraction) / 2, half = largest * (1 - fraction) / 2, sigma = middle / half;
     double rho = 1 / sigma, old = 0, fresh = 1 / middle;
     for (int k = 0; k < steps; ++k) {
         if (k > 0 || !first) multiply();

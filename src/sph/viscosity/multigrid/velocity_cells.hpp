@@ -14,10 +14,10 @@ struct LatticeShape {
     double width[3]{1, 1, 1}; // [m]
     int period[3]{0, 0, 0};
 
-    // The place of a cell or node, a periodic axis once around.
-    void wrap(int place[3]) const {
+    // The indices of a cell or node, a periodic axis once around.
+    void wrap(int node[3]) const {
         for (int k = 0; k < 3; ++k) {
-            if (period[k] > 0) place[k] -= period[k] * floor_divide(place[k], period[k]);
+            if (period[k] > 0) node[k] -= period[k] * floor_divide(node[k], period[k]);
         }
     }
 };
@@ -60,7 +60,7 @@ struct VelocityCells {
     // Collective: steps of Chebyshev's iteration (Saad 2003, algorithm 12.1) for A z = r on this share of the eigenvalues and
     // above: from z = 0 the first time, otherwise on from z, whose last change, d, is still to be taken off r. Leaves that of
     // its own last step.
-    void smooth(int steps, double share, bool first);
+    void smooth(int steps, double fraction, bool first);
     std::size_t bytes() const;
 };
 

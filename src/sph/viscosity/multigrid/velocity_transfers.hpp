@@ -6,7 +6,7 @@
 namespace treacle::sph {
 
 // Fraction of the cycle, beside the particles' own blocks, which do a part of its work as well.
-inline constexpr float cycle_share = 0.8f;
+inline constexpr float cycle_weight = 0.8f;
 
 constexpr int power_of_3(int d) { return d == 0 ? 1 : 3 * power_of_3(d - 1); } // nodes of the finer level around a node
 
@@ -53,17 +53,17 @@ struct Prolong {
 struct CellParticles {
     // Indices [cells + 1]; [particles].
     Array<int> begin{"treacle::velocity_begin", 0}, particle{"treacle::velocity_particles", 0};
-    Array<float> share{"treacle::velocity_shares", 0}; // [particles][corners]
+    Array<float> weight{"treacle::velocity_weights", 0}; // [particles][corners]
 };
 
-// Shares of a cell's corners at a position in the cell, from 0 to 1 along each axis.
+// Weights of a cell's corners at a position in the cell, from 0 to 1 along each axis.
 template <int D>
-void trilinear_weights(const double at[3], float share[corners<D>]) {
-    share[0] = 1;
+void trilinear_weights(const double at[3], float weight[corners<D>]) {
+    weight[0] = 1;
     for (int k = 0; k < D; ++k) {
         for (int a = 0; a < 1 << k; ++a) {
-            share[a + (1 << k)] = share[a] * static_cast<float>(at[k]);
-            share[a] *= static_cast<float>(1 - at[k]);
+            weight[a + (1 << k)] = weight[a] * static_cast<float>(at[k]);
+            weight[a] *= static_cast<float>(1 - at[k]);
         }
     }
 }
@@ -79,11 +79,11 @@ struct ParticleForces {
         Float4 sum[corners<D>];
         for (int a = 0; a < corners<D>; ++a) sum[a] = 0.0f;
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
-            const float* share = members.share.data() + corners<D> * std::int64_t(m);
+            const float* weight = members.weight.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);
             const Float4 on =
                 Float4::of(static_cast<float>(r(i, 0)), static_cast<float>(r(i, 1)), static_cast<float>(r(i, 2)));
-            for (int a = 0; a < corners<D>; ++a) sum[a].add(Float4(share[a]), on);
+            for (int a = 0; a < corners<D>; ++a) sum[a].add(Float4(weight[a]), on);
         }
         float* to = force.data() + 4 * corners<D> * std::int64_t(e);
         for (int a = 0; a < corners<D>; ++a) sum[a].store(to + 4 * a);
@@ -105,15 +105,15 @@ struct ParticleVelocities {
         for (int a = 0; a < corners<D>; ++a)
             around[a] = Float4::load(u.data() + 4 * std::int64_t(corner(corners<D> * e + a)));
         for (int m = members.begin(e); m < members.begin(e + 1); ++m) {
-            const float* share = members.share.data() + corners<D> * std::int64_t(m);
+            const float* weight = members.weight.data() + corners<D> * std::int64_t(m);
             const int i = members.particle(m);
             Float4 even = 0.0f, odd = 0.0f; // two, since each addition depends on the one before
             for (int a = 0; a < corners<D>; a += 2) {
-                even.add(Float4(share[a]), around[a]);
-                odd.add(Float4(share[a + 1]), around[a + 1]);
+                even.add(Float4(weight[a]), around[a]);
+                odd.add(Float4(weight[a + 1]), around[a + 1]);
             }
             float mean[4];
-            (Float4(cycle_share) * (even + odd)).store(mean);
+            (Float4(cycle_weight) * (even + odd)).store(mean);
             const double from[3] = {r(i, 0), r(i, 1), r(i, 2)};
             double to[3];
             read_symmetric(block, i).times(from, to);

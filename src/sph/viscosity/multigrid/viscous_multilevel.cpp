@@ -14,9 +14,9 @@ constexpr double spacings_across = 1.7; // of the finest cells
 // Squares of a cell's width that the viscosity must cover in a step for coarser cells to have a benefit.
 constexpr double coarsening_limit = 2;
 constexpr std::int64_t dense_nodes = 60; // of all ranks, for which the coarsest level is solved directly
-// Chebyshev's polynomials of the smoothers, on this share of the eigenvalues and above.
+// Chebyshev's polynomials of the smoothers, on this fraction of the eigenvalues and above.
 constexpr int smoother_steps = 2, last_steps = 4;
-constexpr double smoothed_share = 0.15, last_share = 0.06;
+constexpr double smoothed_fraction = 0.15, last_fraction = 0.06;
 } // namespace
 
 struct ViscousMultilevel::Levels {
@@ -90,25 +90,25 @@ void CellLevels<D>::sort_particles(const ViscousContext& parts, const ViscousOpe
     const auto& store = parts.liquid.store;
     const auto n = static_cast<std::size_t>(store.owned());
     const auto x = on_host(store.position());
-    const auto share = on_host(of.smoothed_viscous_coefficient());
+    const auto coefficient = on_host(of.smoothed_viscous_coefficient());
     const auto inertia_and_wall_diagonal = on_host(of.inertia_and_wall_diagonal());
     std::vector<int> cell_of(n);
-    std::vector<float> shares(corners<D> * n);
+    std::vector<float> weights(corners<D> * n);
     KeyIndexMap numbers;
     numbers.clear(n / 4);
     std::int64_t last = -1;
     int number = -1;
     for (std::size_t i = 0; i < n; ++i) {
-        int place[3] = {0, 0, 0};
+        int node[3] = {0, 0, 0};
         double at[3];
         for (std::size_t k = 0; k < D; ++k) {
             const double along = (x(i, k) - origin_[k]) / finest_.width[k], below = std::floor(along);
-            place[k] = static_cast<int>(below);
+            node[k] = static_cast<int>(below);
             at[k] = along - below;
         }
-        trilinear_weights<D>(at, &shares[corners<D> * i]);
-        finest_.wrap(place);
-        const auto key = LatticeKey::pack(place);
+        trilinear_weights<D>(at, &weights[corners<D> * i]);
+        finest_.wrap(node);
+        const auto key = LatticeKey::pack(node);
         if (key != last) number = numbers.number(key);
         last = key;
         cell_of[i] = number;
@@ -131,16 +131,16 @@ void CellLevels<D>::sort_particles(const ViscousContext& parts, const ViscousOpe
         const auto e = static_cast<std::size_t>(cell_of[i]);
         const auto m = static_cast<std::size_t>(next[e]++);
         particle[m] = static_cast<int>(i);
-        level.host_stiffness[e] += static_cast<float>(share(i) / square);
+        level.host_stiffness[e] += static_cast<float>(coefficient(i) / square);
         for (std::size_t a = 0; a < corners<D>; ++a) {
-            const float one = sorted[corners<D> * m + a] = shares[corners<D> * i + a];
+            const float one = sorted[corners<D> * m + a] = weights[corners<D> * i + a];
             level.host_mass[static_cast<std::size_t>(level.host_corner[corners<D> * e + a])] +=
                 one * inertia_and_wall_diagonal(i);
         }
     }
     assign(members_.begin, begin);
     assign(members_.particle, particle);
-    assign(members_.share, sorted);
+    assign(members_.weight, sorted);
 }
 
 // Cells of two an axis; along periodic axes only where they come out even. False where no axis is left.
@@ -187,14 +187,14 @@ void CellLevels<D>::coarsen_masses(Level& fine, Level& coarse) const {
     std::vector<float> weights(keys.size());
     coarse.host_mass.assign(coarse_nodes, 0.0f);
     for (std::size_t v = 0; v < keys.size(); ++v) {
-        int place[3], below[3], between[3] = {0, 0, 0};
-        LatticeKey::unpack(keys[v], place);
+        int node[3], below[3], between[3] = {0, 0, 0};
+        LatticeKey::unpack(keys[v], node);
         float weight = 1;
         for (int k = 0; k < 3; ++k) {
-            below[k] = place[k];
+            below[k] = node[k];
             if (k >= D || coarse.shape.width[k] == fine.shape.width[k]) continue;
-            below[k] = floor_divide(place[k], 2);
-            between[k] = place[k] - 2 * below[k];
+            below[k] = floor_divide(node[k], 2);
+            between[k] = node[k] - 2 * below[k];
             if (between[k] == 1) weight *= 0.5f;
         }
         weights[v] = weight;
@@ -252,7 +252,7 @@ void CellLevels<D>::set_up(const ViscousContext& parts, const ViscousOperator& o
             factorise(level);
             return;
         }
-        if (of.largest_share() <= coarsening_limit * level.shape.width[0] * level.shape.width[0]) return;
+        if (of.max_viscous_coefficient() <= coarsening_limit * level.shape.width[0] * level.shape.width[0]) return;
     }
 }
 
@@ -312,7 +312,7 @@ void CellLevels<D>::cycle(std::size_t depth) {
     auto& level = levels_[depth];
     const bool last = depth + 1 == used_;
     if (last && dense_) return solve_densely(level);
-    level.smooth(last ? last_steps : smoother_steps, last ? last_share : smoothed_share, true);
+    level.smooth(last ? last_steps : smoother_steps, last ? last_fraction : smoothed_fraction, true);
     if (last) return;
     auto& next = levels_[depth + 1];
     level.subtract_product();
@@ -322,7 +322,7 @@ void CellLevels<D>::cycle(std::size_t depth) {
     cycle(depth + 1);
     Kokkos::parallel_for("treacle::velocity_prolong", level.nodes,
         Prolong<D>{level.parents, level.parent_weight, next.z, level.d, level.z});
-    level.smooth(smoother_steps, smoothed_share, false);
+    level.smooth(smoother_steps, smoothed_fraction, false);
 }
 
 template <int D>
@@ -339,7 +339,7 @@ double CellLevels<D>::apply(const ViscousOperator& of, const Array3& r, const Ar
 
 template <int D>
 std::size_t CellLevels<D>::bytes() const {
-    std::size_t out = 4 * (members_.begin.span() + members_.particle.span() + members_.share.span());
+    std::size_t out = 4 * (members_.begin.span() + members_.particle.span() + members_.weight.span());
     for (const auto& level : levels_) out += level.bytes();
     return out;
 }

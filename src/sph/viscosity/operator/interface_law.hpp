@@ -24,18 +24,18 @@ KOKKOS_INLINE_FUNCTION void cut_columns(const double n[3], double a[3][3]) {
     }
 }
 
-// h = (mu_j - mu_i) / (mu_i + mu_j), of viscosities or shares. A pair of two liquids counts f = 1 + h times for i, 1 - h times for j.
+// h = (mu_j - mu_i) / (mu_i + mu_j), of viscosities or viscous coefficients. A pair of two liquids counts f = 1 + h times for i, 1 - h times for j.
 KOKKOS_INLINE_FUNCTION double viscous_contrast(double own, double other) {
     return own + other > 0 ? (other - own) / (own + other) : 0;
 }
 // Contrast h of two particles, 0 within one liquid.
 struct ViscousContrast {
     bool any = false;
-    Array<double> share; // dt/m V mu, ghosts' as well
-    Array<int> liquid;   // [particles]
+    Array<double> viscous_coefficient; // dt/m V mu, ghosts' as well
+    Array<int> liquid;                 // [particles]
 
     KOKKOS_INLINE_FUNCTION double operator()(int i, int j) const {
-        return any && liquid(i) != liquid(j) ? viscous_contrast(share(i), share(j)) : 0;
+        return any && liquid(i) != liquid(j) ? viscous_contrast(viscous_coefficient(i), viscous_coefficient(j)) : 0;
     }
 };
 // f^2 - 1
@@ -121,8 +121,8 @@ struct InterfacePull {
 // The stress of a particle beside an interface: that of V mu (S:S + kappa/2 sum w f |r|^2), c = dt/m V mu (src/sph/theory.md). Writes S as well.
 struct InterfaceLaw {
     InterfaceShape shape;
-    Symmetric fit;         // B^+
-    double share, damping; // c [m2], kappa [1]
+    Symmetric fit;                       // B^+
+    double viscous_coefficient, damping; // c [m2], kappa [1]
 
     KOKKOS_INLINE_FUNCTION void operator()(const InterfaceSums& sums, double s[3][3], InterfaceStress& out) const {
         double t[3][3], inside[3][3], shear[3]; // T, the gradient as if the liquids were one; the derivative by G
@@ -136,7 +136,7 @@ struct InterfaceLaw {
         for (int k = 0; k < 3; ++k) {
             fit.times(inside[k], out.q[k]);
             for (int l = 0; l < 3; ++l)
-                out.q[k][l] = share * (out.q[k][l] - damping * (t[k][l] + shear[k] * shape.normal[l]));
+                out.q[k][l] = viscous_coefficient * (out.q[k][l] - damping * (t[k][l] + shear[k] * shape.normal[l]));
         }
     }
 
@@ -174,11 +174,11 @@ private:
         left_over(sums, t, shear, facing, z);
         times(z, n, along_normal);
         for (int k = 0; k < 3; ++k) {
-            out.tilted[k] = share * (1 / width - damping) * shear[k];
+            out.tilted[k] = viscous_coefficient * (1 / width - damping) * shear[k];
             for (int l = 0; l < 3; ++l) {
                 const double turned = along * (shear[k] * n[l] + n[k] * shear[l]) - shear[k] * shape.skew[l];
                 inside[k][l] += turned / width - damping * (z[k][l] - along_normal[k] * n[l] - n[k] * along_normal[l]);
-                out.across[k][l] = -share * damping * t[k][l];
+                out.across[k][l] = -viscous_coefficient * damping * t[k][l];
             }
         }
         cut_columns(n, out.across);

@@ -11,12 +11,12 @@ namespace {
 // each, and then which.
 struct NearLiquid {
     Pairs from;
-    Array4 place;
+    Array4 packed_position;
     double square;             // of the support [m2]
     Array<std::uint8_t> masks; // of the pairs of the list that go through the formula together
 
     KOKKOS_INLINE_FUNCTION int count(int i) const {
-        const Row row = from.row(i, place);
+        const Row row = from.row(i, packed_position);
         std::uint8_t* mask = masks_of(i);
         int out = 0;
         for (int k = 0; k < row.count; k += lanes, ++mask) {
@@ -27,7 +27,7 @@ struct NearLiquid {
         return out;
     }
     KOKKOS_INLINE_FUNCTION void write(int i, int* to) const {
-        const Row row = from.row(i, place);
+        const Row row = from.row(i, packed_position);
         const std::uint8_t* mask = masks_of(i);
         for (int k = 0; k < row.count; k += lanes, ++mask) to += compress_store(*mask, load_ints(row.index + k), to);
     }
@@ -88,8 +88,9 @@ ViscousScene NearPairs::among(const ViscousScene& scene) {
     const int n = liquid.owned();
     pack_positions(scene.liquid, scene.liquid.volume());
     reserve(masks_, static_cast<std::size_t>(NearLiquid::count_masks(scene.neighbours.liquid.size, n)));
-    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.place, support * support, masks_}, n,
-        near_.liquid);
+    keep(NearLiquid{pairs(scene.neighbours.liquid, liquid, liquid), scene.liquid.packed_position, support * support,
+             masks_},
+        n, near_.liquid);
     keep(NearSolids{pairs(scene.neighbours.solid, liquid, scene.solid.store), support * support}, n, near_.solid);
     return {{scene.options, constants_, scene.comm, scene.liquid, scene.solid, near_, scene.halo, scene.cells},
         scene.forces, scene.solid_halo};

@@ -43,13 +43,13 @@ std::vector<double> ViscousBodies::project(std::span<const double> loads) const 
     return out;
 }
 
-void ViscousBodies::factorise(std::span<const double> held) {
+void ViscousBodies::factorise(std::span<const double> stiffness) {
     const std::size_t n = columns_.size();
     factor_.assign(n * n, 0.0);
     const auto product = [&](const std::vector<double>& a, const std::vector<double>& b) {
         double sum = 0;
         for (std::size_t body = 0; 6 * body < a.size(); ++body) {
-            const auto of = held.subspan(36 * (first_ + body), 36);
+            const auto of = stiffness.subspan(36 * (first_ + body), 36);
             for (std::size_t k = 0; k < 6; ++k) {
                 for (std::size_t l = 0; l < 6; ++l) sum += a[6 * body + k] * of[6 * k + l] * b[6 * body + l];
             }

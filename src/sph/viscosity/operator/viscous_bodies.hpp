@@ -29,9 +29,9 @@ public:
     // L^T F of loads of all solids.
     std::vector<double> project(std::span<const double> loads) const;
 
-    // The stiffness that particles hold the bodies with, as far as it precondition: `held` has 36 numbers a
+    // The stiffness by which particles resist the bodies' motion, as far as it precondition: `stiffness` has 36 numbers a
     // solid.
-    void factorise(std::span<const double> held);
+    void factorise(std::span<const double> stiffness);
     std::vector<double> precondition(std::span<const double> r) const;
 
     std::size_t bytes() const { // of this rank [bytes]

@@ -107,7 +107,7 @@ struct InterfaceBlockLoop : ViscousLoop<Kernel> {
         Sums sums;
         add_pairs(i, sums);
         add_walls(i, sums);
-        const double c = contrast.share(i), inertia = relative(i) + (slips ? drag(i) : 0);
+        const double c = contrast.viscous_coefficient(i), inertia = relative(i) + (slips ? drag(i) : 0);
         const Symmetric fit = read_symmetric(correction, i);
         double own[3];
         fit.times(sums.pull, own);
@@ -119,25 +119,25 @@ struct InterfaceBlockLoop : ViscousLoop<Kernel> {
         const bool prescribed = has_inlets && inlet(i) > 0;
         smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (c + sums.around / sums.weights));
         inertia_and_wall_diagonal(i) =
-            static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * c * sums.held);
+            static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * c * sums.wall_sum);
     }
 
 private:
     struct Sums {
         Symmetric strained;
-        double damped = 0, held = 0, around = 0, weights = 0, pull[3] = {0, 0, 0};
+        double damped = 0, wall_sum = 0, around = 0, weights = 0, pull[3] = {0, 0, 0};
     };
     // The contrast in the stress of i.
     KOKKOS_INLINE_FUNCTION double seen(int i, double h) const {
         return h != 0 && is_normal(normal(i, 0), normal(i, 1), normal(i, 2)) ? h : 0;
     }
     KOKKOS_INLINE_FUNCTION void add_pairs(int i, Sums& to) const {
-        const double c = contrast.share(i);
+        const double c = contrast.viscous_coefficient(i);
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
             const double h = contrast(i, j), own = 1 + seen(i, h), back = 1 + seen(j, -h), x[3] = {dx, dy, dz};
-            const double felt = back * back * contrast.share(j);
+            const double felt = back * back * contrast.viscous_coefficient(j);
             to.strained.add_square(w * w * felt, dx, dy, dz);
-            to.damped += w * (c * own + contrast.share(j) * back);
+            to.damped += w * (c * own + contrast.viscous_coefficient(j) * back);
             to.around += w * r2 * felt;
             to.weights += w * r2;
             for (int k = 0; k < 3; ++k) to.pull[k] += w * own * x[k];
@@ -145,10 +145,10 @@ private:
     }
     KOKKOS_INLINE_FUNCTION void add_walls(int i, Sums& to) const {
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            const double reach = contact.reach, x[3] = {dx, dy, dz};
-            to.held += w * reach;
-            to.damped += 2 * contrast.share(i) * w * reach * reach;
-            for (int k = 0; k < 3; ++k) to.pull[k] += w * reach * x[k];
+            const double beta = contact.beta, x[3] = {dx, dy, dz};
+            to.wall_sum += w * beta;
+            to.damped += 2 * contrast.viscous_coefficient(i) * w * beta * beta;
+            for (int k = 0; k < 3; ++k) to.pull[k] += w * beta * x[k];
         });
     }
 };
@@ -202,7 +202,7 @@ struct InterfaceStressLoop : ViscousLoop<Kernel> {
         Base::add_wall_gradients(i, u, sums.n);
         double s[3][3];
         InterfaceStress out;
-        InterfaceLaw{shape, read_symmetric(correction, i), contrast.share(i), damping}(sums, s, out);
+        InterfaceLaw{shape, read_symmetric(correction, i), contrast.viscous_coefficient(i), damping}(sums, s, out);
         write_stress(out, stress, i);
         for (int k = 0; k < 3; ++k) {
             fields.tilted(i, k) = out.tilted[k];
@@ -241,7 +241,7 @@ struct InterfaceForceLoop : ViscousLoop<Kernel> {
                 other.add(w, other.has_normal() ? -h : 0, x, apart, f);
             }
         });
-        Base::add_wall_stresses(i, StressGrip<Stress>{stress, contrast.share, damping}, u, f);
+        Base::add_wall_stresses(i, WallStressForce<Stress>{stress, contrast.viscous_coefficient, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
@@ -250,7 +250,7 @@ private:
     // A pair within one liquid.
     KOKKOS_INLINE_FUNCTION void add_within(
         const InterfacePull& own, int j, double w, const double x[3], const double apart[3], double f[3]) const {
-        const double slide = own.damping + damping * contrast.share(j);
+        const double slide = own.damping + damping * contrast.viscous_coefficient(j);
         for (int k = 0; k < 3; ++k) {
             double pull = slide * apart[k];
             for (int l = 0; l < 3; ++l) pull += (own.stress.q[k][l] + stress(j, k, l)) * x[l];
@@ -260,7 +260,7 @@ private:
     // Pull of a particle with neighbours of another viscosity. Without a normal there is nothing but a stress.
     KOKKOS_INLINE_FUNCTION InterfacePull read_pull(int i) const {
         InterfacePull out{};
-        out.damping = damping * contrast.share(i);
+        out.damping = damping * contrast.viscous_coefficient(i);
         for (int k = 0; k < 3; ++k) {
             out.normal[k] = fields.normal(i, k);
             for (int l = 0; l < 3; ++l) out.stress.q[k][l] = stress(i, k, l);
@@ -296,7 +296,7 @@ void ViscousOperator::prepare_interface(const ViscousContext& parts) {
     interface_.contrast = {};
     if (!constants.immiscible.several() || parts.options.viscosity.form != ViscosityForm::corrected) return;
     const int n = liquid.store.owned();
-    interface_.contrast = {true, liquid.store.get<Array<double>>(share_), liquid.liquid()};
+    interface_.contrast = {true, liquid.store.get<Array<double>>(viscous_coefficient_), liquid.liquid()};
     reserve(interface_.rows, static_cast<std::size_t>(n));
     interface_.count =
         find_rows(pairs(parts.neighbours.liquid, liquid.store, liquid.store), interface_.contrast, n, interface_.rows);

@@ -6,10 +6,10 @@ namespace treacle::sph {
 
 namespace {
 // The reaction of the no-slip stresses, per solid.
-template <class Kernel, class Grip>
+template <class Kernel, class WallForce>
 struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
     using Base = ViscousLoop<Kernel>;
-    Grip grip;
+    WallForce wall_force;
     double scale; // m / dt
 
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
@@ -18,10 +18,10 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
         Base::each_wall(i, [&](int s, double w, double dx, double dy, double dz, const auto& contact) {
             const double x[3] = {dx, dy, dz};
             double force[3];
-            grip(i, w, x, u, contact, force);
+            wall_force(i, w, x, u, contact, force);
             for (double& f : force) f *= scale;
             const int body = Base::walls.body(s);
-            Base::walls.points.add(sum + 6 * body, body, contact.place, force);
+            Base::walls.points.add(sum + 6 * body, body, contact.position, force);
         });
     }
 };
@@ -30,16 +30,17 @@ struct ViscousLoadLoop : ViscousLoop<Kernel>, LoadReduction {
 template <class Kernel>
 struct StiffnessLoop : ViscousLoop<Kernel>, LoadReduction {
     using Base = ViscousLoop<Kernel>;
-    Array<double> share;
+    Array<double> viscous_coefficient;
 
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         Base::each_wall(i, [&](int s, double w, double, double, double, const auto& contact) {
-            Base::walls.points.add_stiffness(sum, Base::walls.body(s), contact.place, 2 * share(i) * w * contact.reach);
+            Base::walls.points.add_stiffness(
+                sum, Base::walls.body(s), contact.position, 2 * viscous_coefficient(i) * w * contact.beta);
         });
     }
 };
 
-bool any_grips(const ViscousContext& parts) {
+bool any_no_slip(const ViscousContext& parts) {
     const auto& friction = parts.forces.friction;
     return parts.neighbours.solid.size > 0 && std::ranges::any_of(friction, [](double f) { return f > 0; });
 }
@@ -51,24 +52,24 @@ BodyLoads ViscousOperator::loads(const ViscousContext& parts) const {
     const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
     const double scale = constants.mass / dt_;
     if (slip_.any()) slip_.add_loads(parts, parts.motion, scale, out);
-    if (!any_grips(parts)) return out;
+    if (!any_no_slip(parts)) return out;
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::moving), weights_, wall_sums_};
-        const auto sum = [&](const auto& grip) {
-            using Grip = std::decay_t<decltype(grip)>;
+        const auto sum = [&](const auto& wall_force) {
+            using WallForce = std::decay_t<decltype(wall_force)>;
             BodyLoads sums(out.size(), 0.0);
             Kokkos::parallel_reduce("treacle::viscous_loads", fluid.count,
-                ViscousLoadLoop<Kernel, Grip>{base, {sums.size()}, grip, scale}, host_sums(sums));
+                ViscousLoadLoop<Kernel, WallForce>{base, {sums.size()}, wall_force, scale}, host_sums(sums));
             for (std::size_t k = 0; k < out.size(); ++k) out[k] += sums[k];
         };
         if (by_gradients(parts.options.viscosity.form)) {
             const auto& store = parts.liquid.store;
-            sum(StressGrip<Stresses>{
+            sum(WallStressForce<Stresses>{
                 {{store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])}},
-                store.get<Array<double>>(share_), damping_});
+                store.get<Array<double>>(viscous_coefficient_), damping_});
         } else {
-            sum(pair_grip(parts, parts.liquid.store.get<Array<double>>(share_)));
+            sum(wall_pair_force(parts, parts.liquid.store.get<Array<double>>(viscous_coefficient_)));
         }
     });
     return out;
@@ -77,14 +78,14 @@ BodyLoads ViscousOperator::loads(const ViscousContext& parts) const {
 std::vector<double> ViscousOperator::stiffness(const ViscousContext& parts) const {
     const auto& constants = parts.constants;
     std::vector<double> out(static_cast<std::size_t>(36 * parts.points.count), 0.0);
-    const auto share = parts.liquid.store.get<Array<double>>(share_);
+    const auto viscous_coefficient = parts.liquid.store.get<Array<double>>(viscous_coefficient_);
     const auto fluid = make_views(constants, parts.liquid, parts.solid, parts.neighbours);
-    if (any_grips(parts)) {
+    if (any_no_slip(parts)) {
         with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
             using Kernel = std::decay_t<decltype(kernel)>;
             const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
             Kokkos::parallel_reduce("treacle::viscous_stiffness", fluid.count,
-                StiffnessLoop<Kernel>{base, {out.size()}, share}, host_sums(out));
+                StiffnessLoop<Kernel>{base, {out.size()}, viscous_coefficient}, host_sums(out));
         });
     }
     if (slip_.any()) slip_.add_stiffness(parts, out);

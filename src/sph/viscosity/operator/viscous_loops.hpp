@@ -34,7 +34,7 @@ struct ViscousLoop {
     Fluid fluid;
     ViscousWalls walls;
     Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
-    // Of the forms with gradients, over the solids that grip: w reach x and, in the last place, w reach^2. That is all that
+    // Of the forms with gradients, over the no-slip solids: w beta x and, in the last column, w beta^2. That is all that
     // solids at rest put into a product, none of which goes through them again then.
     Array4 wall_sums;
 
@@ -72,20 +72,20 @@ struct ViscousLoop {
     KOKKOS_INLINE_FUNCTION double weight(double volumes, double r2) const {
         return -volumes * kernel.gradient(math::sqrt(r2));
     }
-    // visit(s, w, dx, dy, dz, contact) for the solid particles that grip, with V_s |W'|/r [1/m2].
+    // visit(s, w, dx, dy, dz, contact) for the no-slip solid particles, with V_s |W'|/r [1/m2].
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each_wall(int i, const Visit& visit) const {
         walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             if (!walls.no_slip(s)) return;
-            visit(s, weight(walls.grip * walls.volume(s), r2), dx, dy, dz, walls.touch(s, dx, dy, dz));
+            visit(s, weight(walls.viscous_factor * walls.volume(s), r2), dx, dy, dz, walls.touch(s, dx, dy, dz));
         });
     }
-    template <class Grip>
-    KOKKOS_INLINE_FUNCTION void add_walls(int i, const Grip& grip, const double u[3], double sum[3]) const {
+    template <class WallForce>
+    KOKKOS_INLINE_FUNCTION void add_walls(int i, const WallForce& wall_force, const double u[3], double sum[3]) const {
         each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double x[3] = {dx, dy, dz};
             double force[3];
-            grip(i, w, x, u, contact, force);
+            wall_force(i, w, x, u, contact, force);
             for (int k = 0; k < 3; ++k) sum[k] += force[k];
         });
     }
@@ -101,18 +101,19 @@ struct ViscousLoop {
         each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
             const double x[3] = {dx, dy, dz};
             for (int k = 0; k < 3; ++k) {
-                const double difference = w * contact.reach * (u[k] - contact.velocity[k]);
+                const double difference = w * contact.beta * (u[k] - contact.velocity[k]);
                 for (int l = 0; l < 3; ++l) n[k][l] += difference * x[l];
             }
         });
     }
-    template <class Grip>
-    KOKKOS_INLINE_FUNCTION void add_wall_stresses(int i, const Grip& grip, const double u[3], double sum[3]) const {
+    template <class WallForce>
+    KOKKOS_INLINE_FUNCTION void add_wall_stresses(
+        int i, const WallForce& wall_force, const double u[3], double sum[3]) const {
         if (walls.pairs.count(i) == 0) return;
         if (walls.resting)
-            grip.add(i, wall_sums, u, sum);
+            wall_force.add(i, wall_sums, u, sum);
         else
-            add_walls(i, grip, u, sum);
+            add_walls(i, wall_force, u, sum);
     }
     KOKKOS_INLINE_FUNCTION void read_velocity(int i, double u[3]) const {
         for (int k = 0; k < 3; ++k) u[k] = fluid.motion(i, k);
@@ -131,38 +132,38 @@ struct TileStresses {
 
 // What one solid particle adds to a row of C u, or all of them at rest.
 template <class Stress>
-struct StressGrip {
+struct WallStressForce {
     Stress stress;
-    Array<double> share; // [particles] dt/m V mu [m2]
-    double damping;      // kappa [1]
+    Array<double> viscous_coefficient; // [particles] dt/m V mu [m2]
+    double damping;                    // kappa [1]
 
     template <class Contact>
     KOKKOS_INLINE_FUNCTION void operator()(
         int i, double w, const double x[3], const double u[3], const Contact& contact, double out[3]) const {
         for (int k = 0; k < 3; ++k) {
             const double pull = stress(i, k, 0) * x[0] + stress(i, k, 1) * x[1] + stress(i, k, 2) * x[2];
-            const double slide = damping * share(i) * contact.reach * (u[k] - contact.velocity[k]);
-            out[k] = w * contact.reach * (pull + slide);
+            const double slide = damping * viscous_coefficient(i) * contact.beta * (u[k] - contact.velocity[k]);
+            out[k] = w * contact.beta * (pull + slide);
         }
     }
     // All contacts of particle i with solids at rest at once, by its ViscousLoop::wall_sums.
     KOKKOS_INLINE_FUNCTION void add(int i, const Array4& sums, const double u[3], double out[3]) const {
         for (int k = 0; k < 3; ++k) {
             for (int l = 0; l < 3; ++l) out[k] += stress(i, k, l) * sums(i, l);
-            out[k] += damping * share(i) * sums(i, 3) * u[k];
+            out[k] += damping * viscous_coefficient(i) * sums(i, 3) * u[k];
         }
     }
 };
 // Pull of one solid particle in the forms with forces along the pairs.
-struct PairGrip {
-    Array<double> share; // [particles] dt/m V mu [m2]
-    double soft, line;   // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
+struct WallPairForce {
+    Array<double> viscous_coefficient; // [particles] dt/m V mu [m2]
+    double soft, line;                 // see pair_softening(); D + 2 for the pairwise form, 0 for the Laplacian
 
     template <class Contact>
     KOKKOS_INLINE_FUNCTION void operator()(
         int i, double w, const double x[3], const double u[3], const Contact& contact, double out[3]) const {
         const double r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-        const double c = 2 * share(i) * w * contact.reach / (r2 + soft);
+        const double c = 2 * viscous_coefficient(i) * w * contact.beta / (r2 + soft);
         double along = 0;
         for (int k = 0; k < 3; ++k) along += (u[k] - contact.velocity[k]) * x[k];
         for (int k = 0; k < 3; ++k) {
@@ -172,9 +173,9 @@ struct PairGrip {
 };
 
 // Pull of the form that the options name.
-inline PairGrip pair_grip(const ViscousContext& parts, const Array<double>& share) {
+inline WallPairForce wall_pair_force(const ViscousContext& parts, const Array<double>& viscous_coefficient) {
     const double line = parts.options.viscosity.form == ViscosityForm::pairwise ? parts.constants.dimensions + 2 : 0;
-    return {share, pair_softening(parts.constants.support), line};
+    return {viscous_coefficient, pair_softening(parts.constants.support), line};
 }
 
 } // namespace treacle::sph

@@ -57,7 +57,7 @@ struct ViscousMatrix::Assembly {
     Pairs liquid;
     ViscousWalls walls;
     Array<int>::HostMirror row;
-    Array<double>::HostMirror share, volume;
+    Array<double>::HostMirror viscous_coefficient, volume;
     Array6::HostMirror correction;
     Array<float>::HostMirror weights;
     Array<int>::HostMirror liquid_of;
@@ -74,11 +74,13 @@ struct ViscousMatrix::Assembly {
     std::vector<RowContribution> contributions; // to rows from elsewhere
 
     double contrast(int i, int j) const {
-        return several && liquid_of(i) != liquid_of(j) ? viscous_contrast(share(i), share(j)) : 0;
+        return several && liquid_of(i) != liquid_of(j)
+                   ? viscous_contrast(viscous_coefficient(i), viscous_coefficient(j))
+                   : 0;
     }
     // 0 where blocks_beside() has what the stress of i does to the pair.
-    double share_within(int i, int j) const {
-        return contrast(i, j) != 0 && is_normal(normal(i, 0), normal(i, 1), normal(i, 2)) ? 0 : share(i);
+    double coefficient_within(int i, int j) const {
+        return contrast(i, j) != 0 && is_normal(normal(i, 0), normal(i, 1), normal(i, 2)) ? 0 : viscous_coefficient(i);
     }
     template <class Visit>
     void each_pair(int i, const Visit& visit) const {
@@ -109,26 +111,26 @@ void ViscousMatrix::Assembly::find_members(const Kernel& kernel) {
         const Symmetric fit = read_symmetric(correction, i);
         Vec3 force{0, 0, 0}, slope{0, 0, 0};
         const auto enter = [&](int particle, const Vec3& e, const Vec3& n) {
-            auto& place = seen_by[static_cast<std::size_t>(particle)];
-            place.emplace_back(i, static_cast<int>(members.size() - offsets.back()));
+            auto& seen = seen_by[static_cast<std::size_t>(particle)];
+            seen.emplace_back(i, static_cast<int>(members.size() - offsets.back()));
             members.push_back({particle, e, apply(fit, e), apply(fit, n)});
         };
         each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
-            const double share_of = form == ViscosityForm::as_published ? volume(j) / rest : 1;
+            const double volume_ratio = form == ViscosityForm::as_published ? volume(j) / rest : 1;
             const Vec3 e{w * dx, w * dy, w * dz};
             Vec3 to_other, slope_of_other;
             for (std::size_t k = 0; k < 3; ++k) {
                 force[k] += e[k];
-                slope[k] += share_of * e[k];
+                slope[k] += volume_ratio * e[k];
                 to_other[k] = -e[k];
-                slope_of_other[k] = -share_of * e[k];
+                slope_of_other[k] = -volume_ratio * e[k];
             }
             enter(j, to_other, slope_of_other);
         });
         walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             if (!walls.no_slip(s)) return;
-            const double w =
-                -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2)) * walls.touch(s, dx, dy, dz).reach;
+            const double w = -walls.viscous_factor * walls.volume(s) * kernel.gradient(std::sqrt(r2)) *
+                             walls.touch(s, dx, dy, dz).beta;
             const Vec3 x{dx, dy, dz};
             for (std::size_t k = 0; k < 3; ++k) {
                 force[k] += w * x[k];
@@ -150,7 +152,7 @@ void ViscousMatrix::Assembly::find_beside() {
         const int i = rows_of(row);
         const InterfaceShape shape = read_shape(shapes, row);
         if (!shape.has_normal()) continue;
-        const InterfaceLaw law{shape, read_symmetric(correction, i), share(i), of.damping()};
+        const InterfaceLaw law{shape, read_symmetric(correction, i), viscous_coefficient(i), of.damping()};
         beside[static_cast<std::size_t>(i)] = blocks_beside(i, law);
     }
 }
@@ -180,7 +182,7 @@ std::vector<RowBlock> ViscousMatrix::Assembly::blocks_beside(int i, const Interf
             for (std::size_t k = 0; k < own; ++k) {
                 const double still[3] = {0, 0, 0};
                 double force[3] = {0, 0, 0};
-                pull.damping = around[k].h != 0 ? law.damping * law.share : 0;
+                pull.damping = around[k].h != 0 ? law.damping * law.viscous_coefficient : 0;
                 pull.add(around[k].w, around[k].h, around[k].x, moved == own || moved == k ? u : still, force);
                 add(own, force);
                 for (double& f : force) f = -f;
@@ -196,15 +198,15 @@ template <class Kernel>
 void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage& storage) const {
     const auto& constants = parts.constants;
     const double soft = pair_softening(constants.support);
-    const auto pair = [&](double shares, double w, const Vec3& x) {
+    const auto pair = [&](double coefficients, double w, const Vec3& x) {
         RowBlock out{};
         const double r2 = inner(x, x);
         if (by_gradients(form)) {
-            add_identity(of.damping() * shares * w, out);
+            add_identity(of.damping() * coefficients * w, out);
         } else if (form == ViscosityForm::laplacian) {
-            add_identity(shares * w * r2 / (r2 + soft), out);
+            add_identity(coefficients * w * r2 / (r2 + soft), out);
         } else {
-            const double c = (constants.dimensions + 2) * shares * w / (r2 + soft);
+            const double c = (constants.dimensions + 2) * coefficients * w / (r2 + soft);
             for (std::size_t k = 0; k < 9; ++k) out[k] = c * x[k / 3] * x[k % 3];
         }
         return out;
@@ -214,16 +216,17 @@ void ViscousMatrix::Assembly::add_pairs(const Kernel& kernel, int i, RowStorage&
     };
     add_identity(relative_density(constants, parts.liquid)(i), storage.at(i));
     each_pair(i, [&](double w, int j, double dx, double dy, double dz) {
-        const RowBlock one = pair(share_within(i, j) + share_within(j, i), w, {dx, dy, dz});
+        const RowBlock one = pair(coefficient_within(i, j) + coefficient_within(j, i), w, {dx, dy, dz});
         add(one, 1, storage.at(i));
         add(one, -1, storage.at(j));
     });
     walls.pairs.each(i, [&](int s, double dx, double dy, double dz, double r2) {
         if (!walls.no_slip(s)) return;
-        const double w = -walls.grip * walls.volume(s) * kernel.gradient(std::sqrt(r2));
-        const double reach = walls.touch(s, dx, dy, dz).reach;
+        const double w = -walls.viscous_factor * walls.volume(s) * kernel.gradient(std::sqrt(r2));
+        const double beta = walls.touch(s, dx, dy, dz).beta;
         const bool squared = by_gradients(form);
-        add(pair((squared ? 1 : 2) * share(i), w * reach * (squared ? reach : 1), {dx, dy, dz}), 1, storage.at(i));
+        add(pair((squared ? 1 : 2) * viscous_coefficient(i), w * beta * (squared ? beta : 1), {dx, dy, dz}), 1,
+            storage.at(i));
     });
 }
 
@@ -243,7 +246,7 @@ void ViscousMatrix::Assembly::add_stresses(int i, RowStorage& storage) const {
         const Member& at = members[begin + static_cast<std::size_t>(which)];
         const Symmetric p = range_projector(read_symmetric(correction, j));
         const RowBlock projector{p.xx, p.xy, p.xz, p.xy, p.yy, p.yz, p.xz, p.yz, p.zz};
-        const double c = share(j), damping = 0.5 * of.damping();
+        const double c = viscous_coefficient(j), damping = 0.5 * of.damping();
         for (auto k = begin; k < end; ++k) {
             const Member& other = members[k];
             RowBlock& to = storage.at(other.particle);
@@ -345,10 +348,11 @@ void ViscousMatrix::assemble(const ViscousContext& parts, const ViscousOperator&
         "treacle::viscous_rows", store.owned(), KOKKOS_LAMBDA(int i) { numbers(i) = first + i; });
     parts.halo.gather(store, {row_field_});
     Assembly assembly{parts, of, parts.options.viscosity.form, pairs(parts.neighbours.liquid, store, store),
-        of.walls(parts, ViscousOperator::Walls::resting), on_host(numbers), on_host(of.share(parts.liquid)),
-        on_host(parts.liquid.volume()), on_host(of.correction()), on_host(of.weights()), on_host(parts.liquid.liquid()),
-        of.interface().any, on_host(of.interface().any ? store.get<Array3>(of.interface().normal) : Array3()),
-        store.owned(), store.total(), first, {}, {}, {}, {}, {}};
+        of.walls(parts, ViscousOperator::Walls::resting), on_host(numbers),
+        on_host(of.viscous_coefficient(parts.liquid)), on_host(parts.liquid.volume()), on_host(of.correction()),
+        on_host(of.weights()), on_host(parts.liquid.liquid()), of.interface().any,
+        on_host(of.interface().any ? store.get<Array3>(of.interface().normal) : Array3()), store.owned(), store.total(),
+        first, {}, {}, {}, {}, {}};
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support,
         [&](const auto& kernel) { matrix_.build(comm_, assembly.rows(kernel)); });
     auto& matrix = *matrix_.matrix();

@@ -16,37 +16,39 @@ constexpr double first_tension = 1e-30; // [1/s] of a particle that begins to be
 // and the noise of pressures are well below. It no longer is where its tension is below the second share of the rate.
 constexpr double stretched_from = 0.2, stretched_until = 0.05;
 
-double write_own_shares(const Array<double>& viscosity, double scale, int n, const Array<double>& share) {
+double write_own_coefficients(
+    const Array<double>& viscosity, double scale, int n, const Array<double>& viscous_coefficient) {
     double most = 0;
     Kokkos::parallel_reduce(
-        "treacle::own_viscous_shares", n,
+        "treacle::own_viscous_coefficients", n,
         KOKKOS_LAMBDA(int i, double& largest) {
-            share(i) = scale * viscosity(i);
-            largest = math::max(largest, share(i));
+            viscous_coefficient(i) = scale * viscosity(i);
+            largest = math::max(largest, viscous_coefficient(i));
         },
         Kokkos::Max<double>(most));
     return n > 0 ? most : 0;
 }
 
 template <class Liquids>
-double write_shares(const Liquids& liquids, double scale, int n, const Array<double>& share) {
+double write_coefficients(const Liquids& liquids, double scale, int n, const Array<double>& viscous_coefficient) {
     double most = 0;
     Kokkos::parallel_reduce(
-        "treacle::viscous_shares", n,
+        "treacle::viscous_coefficients", n,
         KOKKOS_LAMBDA(int i, double& largest) {
-            share(i) = scale * liquids.viscosity(i);
-            largest = math::max(largest, share(i));
+            viscous_coefficient(i) = scale * liquids.viscosity(i);
+            largest = math::max(largest, viscous_coefficient(i));
         },
         Kokkos::Max<double>(most));
     return n > 0 ? most : 0;
 }
 
 // m/rho in place of the lattice's V on both sides (equations 4.5 and 4.6).
-void scale_by_volumes(const Array<double>& volume, double rest_volume, int n, const Array<double>& share) {
+void scale_by_volumes(
+    const Array<double>& volume, double rest_volume, int n, const Array<double>& viscous_coefficient) {
     Kokkos::parallel_for(
         "treacle::viscous_volumes", n, KOKKOS_LAMBDA(int i) {
             const double ratio = volume(i) / rest_volume;
-            share(i) *= ratio * ratio;
+            viscous_coefficient(i) *= ratio * ratio;
         });
 }
 
@@ -79,7 +81,7 @@ ViscousOperator::ViscousOperator(LiquidParticles& liquid, const std::vector<doub
     : slip_(slip_lengths) {
     const char* names[3] = {"viscous_stress_x", "viscous_stress_y", "viscous_stress_z"};
     for (int k = 0; k < 3; ++k) stress_[k] = liquid.store.add<Array3>(names[k], "m2/s", FieldRole::work);
-    share_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
+    viscous_coefficient_ = liquid.store.add<Array<double>>("viscous_share", "m2", FieldRole::work);
     if (bulk > 0) tension_ = liquid.store.add<Array<double>>("tension_rate", "1/s", FieldRole::state);
 }
 
@@ -97,23 +99,23 @@ double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
     auto& liquid = parts.liquid;
     const int n = liquid.store.owned();
     damping_ = viscosity.form == ViscosityForm::corrected ? viscosity.hourglass_coefficient : 0;
-    const auto share = liquid.store.get<Array<double>>(share_);
+    const auto viscous_coefficient = liquid.store.get<Array<double>>(viscous_coefficient_);
     const double scale = dt / constants.mass * constants.rest_volume;
     double most = 0;
     if (parts.forces.by_particle) {
-        most = write_own_shares(liquid.viscosity(), scale, n, share);
+        most = write_own_coefficients(liquid.viscosity(), scale, n, viscous_coefficient);
     } else {
         with_liquids(constants.immiscible, liquid.liquid(), parts.forces.viscosity,
-            [&](const auto& liquids) { most = write_shares(liquids, scale, n, share); });
+            [&](const auto& liquids) { most = write_coefficients(liquids, scale, n, viscous_coefficient); });
     }
     most = parts.comm.max(most);
-    largest_share_ = most;
+    max_viscous_coefficient_ = most;
     if (most == 0) return 0;
-    tiles_are_placed_ = false;
+    tiles_are_packed_ = false;
     if (viscosity.form == ViscosityForm::as_published)
-        scale_by_volumes(liquid.volume(), constants.rest_volume, n, share);
-    if (slip_.any()) slip_.prepare(parts, parts.points, share);
-    parts.halo.gather(liquid.store, {share_});
+        scale_by_volumes(liquid.volume(), constants.rest_volume, n, viscous_coefficient);
+    if (slip_.any()) slip_.prepare(parts, parts.points, viscous_coefficient);
+    parts.halo.gather(liquid.store, {viscous_coefficient_});
     if (!parts.forces.rheology.empty() || tension_ >= 0) reserve(rate_, static_cast<std::size_t>(n));
     reserve(correction_, static_cast<std::size_t>(n));
     reserve(block_, static_cast<std::size_t>(n));
@@ -122,7 +124,7 @@ double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
     if (by_gradients(viscosity.form)) reserve(wall_sums_, static_cast<std::size_t>(n));
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     if (tension_ >= 0) find_stretched(liquid, viscosity.bulk);
-    pack_positions(liquid, share);
+    pack_positions(liquid, viscous_coefficient);
     const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
     // Rows are read several entries at a time, beyond their ends.
     reserve(weights_, static_cast<std::size_t>(parts.neighbours.liquid.size + NeighbourList::padding));
@@ -131,8 +133,9 @@ double ViscousOperator::prepare(const ViscousContext& parts, double dt) {
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, Walls::resting), weights_, wall_sums_};
         Kokkos::parallel_for("treacle::viscous_prepare", n,
             PrepareLoop<Kernel>{base, viscosity.form, constants.rest_volume, damping_,
-                relative_density(constants, liquid), share, slip_.any(), slip_.drag(), liquid.has_inlets(), inlet,
-                bulk_, correction_, block_, inertia_and_wall_diagonal_, smoothed_viscous_coefficient_});
+                relative_density(constants, liquid), viscous_coefficient, slip_.any(), slip_.drag(),
+                liquid.has_inlets(), inlet, bulk_, correction_, block_, inertia_and_wall_diagonal_,
+                smoothed_viscous_coefficient_});
     });
     prepare_interface(parts);
     return most;
@@ -156,9 +159,9 @@ void ViscousOperator::keep_tension(const LiquidParticles& liquid) const {
     const auto bulk = bulk_;
     Kokkos::parallel_for(
         "treacle::keep_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            const double held = kept_tension * (tension(i) + static_cast<double>(bulk(i)) * trace(i));
-            const bool stays = bulk(i) > 0 && held > stretched_until * rate(i);
-            tension(i) = stays ? held : trace(i) > stretched_from * rate(i) ? first_tension : 0;
+            const double kept = kept_tension * (tension(i) + static_cast<double>(bulk(i)) * trace(i));
+            const bool stays = bulk(i) > 0 && kept > stretched_until * rate(i);
+            tension(i) = stays ? kept : trace(i) > stretched_from * rate(i) ? first_tension : 0;
         });
 }
 
@@ -174,7 +177,7 @@ void ViscousOperator::multiply(const ViscousContext& parts, int u_field, Walls w
     auto& liquid = parts.liquid;
     const auto& constants = parts.constants;
     const ViscosityForm form = parts.options.viscosity.form;
-    const auto share = liquid.store.get<Array<double>>(share_);
+    const auto viscous_coefficient = liquid.store.get<Array<double>>(viscous_coefficient_);
     parts.halo.gather(liquid.store, {u_field});
     pack_velocity(liquid, u_field, constants);
     const auto fluid = make_views(constants, liquid, parts.solid, parts.neighbours);
@@ -184,20 +187,21 @@ void ViscousOperator::multiply(const ViscousContext& parts, int u_field, Walls w
         const ViscousLoop<Kernel> base{kernel, fluid, walls(parts, which), weights_, wall_sums_};
         if (!by_gradients(form)) {
             Kokkos::parallel_for("treacle::viscous_pairs", fluid.count,
-                PairForceLoop<Kernel>{base, relative, pair_grip(parts, share), product});
+                PairForceLoop<Kernel>{base, relative, wall_pair_force(parts, viscous_coefficient), product});
             return;
         }
         const auto& store = liquid.store;
         const Array3 rows[3] = {
             store.get<Array3>(stress_[0]), store.get<Array3>(stress_[1]), store.get<Array3>(stress_[2])};
         Kokkos::parallel_for("treacle::viscous_stress", row_blocks(fluid.count),
-            StressLoop<Kernel>{base, damping_, form == ViscosityForm::as_published, share, correction_,
+            StressLoop<Kernel>{base, damping_, form == ViscosityForm::as_published, viscous_coefficient, correction_,
                 {rows[0], rows[1], rows[2]}, !parts.forces.rheology.empty(), rate_, bulk_, tension(liquid), trace_});
         const Stresses stress{{rows[0], rows[1], rows[2]}};
         stress_interface(parts, which, u_field, stress);
         parts.halo.gather(store, {stress_[0], stress_[1], stress_[2]});
         Kokkos::parallel_for("treacle::viscous_forces", row_blocks(fluid.count),
-            StressForceLoop<Kernel>{base, damping_, relative, share, {rows[0], rows[1], rows[2]}, product});
+            StressForceLoop<Kernel>{
+                base, damping_, relative, viscous_coefficient, {rows[0], rows[1], rows[2]}, product});
         force_interface(parts, which, u_field, stress, product);
     });
     add_slip(parts, which, product);

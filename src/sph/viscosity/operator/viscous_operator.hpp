@@ -58,8 +58,10 @@ public:
     const Array6& correction() const { return correction_; }
     const Array<float>& weights() const { return weights_; } // V0 |W'|/r of each pair in the list [1/m2]
     double damping() const { return damping_; }
-    double largest_share() const { return largest_share_; } // of all ranks [m2]
-    const Array<double>& share(const LiquidParticles& liquid) const { return liquid.store.get<Array<double>>(share_); }
+    double max_viscous_coefficient() const { return max_viscous_coefficient_; } // of all ranks [m2]
+    const Array<double>& viscous_coefficient(const LiquidParticles& liquid) const {
+        return liquid.store.get<Array<double>>(viscous_coefficient_);
+    }
     ViscousWalls walls(const ViscousContext& parts, Walls which) const;
     const WallSlip& slip() const { return slip_; }
     // Of the owned particles: what holds them but their neighbours, the mass and the solids, roughly; that of the diagonal block
@@ -85,12 +87,12 @@ private:
     template <class Stress>
     void force_interface(
         const ViscousContext& parts, Walls which, int u_field, const Stress& stress, const Array3& product);
-    void write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions);
+    void write_tiles(LiquidParticles& liquid, const Array<double>& viscous_coefficient, int dimensions);
     void exchange_tiles(const ViscousContext& parts, Walls which);
     void add_slip(const ViscousContext& parts, Walls which, const Array3& product) const;
 
     double dt_ = 0;
-    double largest_share_ = 0;
+    double max_viscous_coefficient_ = 0;
     double damping_ = 0;           // of checkerboards, 0 for forms without gradients
     int stress_[3] = {-1, -1, -1}; // fields: columns of Q_i [m2/s]
     WallSlip slip_;
@@ -99,16 +101,16 @@ private:
     bool tension_acts_ = false;
     Array<float> bulk_{"treacle::bulk_viscosity", 0}; // over the viscosity, of owned particles
     Array<double> trace_{"treacle::expansion", 0};    // tr D of the last multiply, of owned particles [1/s]
-    int share_ = -1;                                  // field: dt/m V mu [m2]
+    int viscous_coefficient_ = -1;                    // field: dt/m V mu [m2]
     Array<float> weights_{"treacle::viscous_weights", 0};
     Array4 wall_sums_{"treacle::viscous_wall_sums", 0};    // see ViscousLoop
     Array6 correction_{"treacle::gradient_correction", 0}; // B_i^+
     Array<float> inertia_and_wall_diagonal_{"treacle::viscous_ground", 0},
-        smoothed_viscous_coefficient_{"treacle::smeared_viscous_share", 0};
+        smoothed_viscous_coefficient_{"treacle::smoothed_viscous_coefficient", 0};
     Blocks block_{"treacle::viscous_block", 0};
     Array16 tiles_{"treacle::viscous_tiles", 0}; // see viscous_tiles.cpp
     Array8 rows_{"treacle::viscous_rows", 0}, fits_{"treacle::viscous_fits", 0};
-    bool tiles_are_placed_ = false; // since prepare()
+    bool tiles_are_packed_ = false; // since prepare()
     ViscousInterface interface_;
 };
 

@@ -15,7 +15,7 @@ struct PrepareLoop : ViscousLoop<Kernel> {
     double volume;  // V0 [m^D]
     double damping; // kappa [1]
     RelativeDensity relative;
-    Array<double> share; // [particles] dt/m V mu [m2]
+    Array<double> viscous_coefficient; // [particles] dt/m V mu [m2]
     bool slips;
     Array<double> drag; // of walls along which the liquid slips
     bool has_inlets;
@@ -27,17 +27,17 @@ struct PrepareLoop : ViscousLoop<Kernel> {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         Symmetric fit{1, 1, 1, 0, 0, 0};
-        double held = 0;          // by the solids
-        double around = share(i); // mean share of the neighbours, weighted by w r^2
-        Symmetric d = by_gradients(form) ? stress_block(i, fit, held, around) : pair_block(i, held, around);
+        double wall_sum = 0;                    // by the solids
+        double around = viscous_coefficient(i); // mean coefficient of the neighbours, weighted by w r^2
+        Symmetric d = by_gradients(form) ? stress_block(i, fit, wall_sum, around) : pair_block(i, wall_sum, around);
         write_symmetric(fit, correction, i);
         const double inertia = relative(i) + (slips ? drag(i) : 0);
         d.xx += inertia, d.yy += inertia, d.zz += inertia;
         write_symmetric(inverse(d), block, i);
         const bool prescribed = has_inlets && inlet(i) > 0;
-        smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (share(i) + around));
+        smoothed_viscous_coefficient(i) = static_cast<float>(0.5 * (viscous_coefficient(i) + around));
         inertia_and_wall_diagonal(i) =
-            static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * share(i) * held);
+            static_cast<float>(prescribed ? (d.xx + d.yy + d.zz) / 3 : inertia + 2 * viscous_coefficient(i) * wall_sum);
     }
 
 private:
@@ -59,12 +59,12 @@ private:
     struct Sums {
         Symmetric spread, strained;             // w x x^T; s_j w^2 x x^T
         double damped = 0, pull[3] = {0, 0, 0}; // w (s_i + s_j); w x
-        double shares = 0;                      // s_j w r^2
+        double weighted_coefficients = 0;       // s_j w r^2
     };
     KOKKOS_INLINE_FUNCTION Sums sum_row(int i) const {
-        const double own = share(i);
+        const double own = viscous_coefficient(i);
         SimdDouble n[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, m[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-        SimdDouble damped = 0.0, shares = 0.0, x = 0.0, y = 0.0, z = 0.0;
+        SimdDouble damped = 0.0, weighted_coefficients = 0.0, x = 0.0, y = 0.0, z = 0.0;
         weigh(i, [&](const Row::Near& d, SimdDouble f) {
             const SimdDouble g = d.number * f * f;
             const SimdDouble squares[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
@@ -73,7 +73,7 @@ private:
                 m[e] = m[e] + g * squares[e];
             }
             damped = damped + f * (own + d.number);
-            shares = shares + f * d.r2 * d.number;
+            weighted_coefficients = weighted_coefficients + f * d.r2 * d.number;
             x = x + f * d.x;
             y = y + f * d.y;
             z = z + f * d.z;
@@ -83,30 +83,30 @@ private:
                 sum_lanes(e[0]), sum_lanes(e[1]), sum_lanes(e[2]), sum_lanes(e[3]), sum_lanes(e[4]), sum_lanes(e[5])};
         };
         return {symmetric(n), symmetric(m), sum_lanes(damped), {sum_lanes(x), sum_lanes(y), sum_lanes(z)},
-            sum_lanes(shares)};
+            sum_lanes(weighted_coefficients)};
     }
     // What the strains of the particle and of its neighbours put into its diagonal block. The neighbours' corrections are taken to
     // be like its own, which this finds.
-    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, Symmetric& fit, double& held, double& around) const {
+    KOKKOS_INLINE_FUNCTION Symmetric stress_block(int i, Symmetric& fit, double& wall_sum, double& around) const {
         Sums sums = sum_row(i);
         const double weights = sums.spread.xx + sums.spread.yy + sums.spread.zz;
-        if (weights > 0) around = sums.shares / weights;
+        if (weights > 0) around = sums.weighted_coefficients / weights;
         double wall[4] = {0, 0, 0, 0}; // see ViscousLoop::wall_sums
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            const double reach = contact.reach, x[3] = {dx, dy, dz};
+            const double beta = contact.beta, x[3] = {dx, dy, dz};
             sums.spread.add_square(w, dx, dy, dz);
-            held += w * reach;
-            for (int k = 0; k < 3; ++k) wall[k] += w * reach * x[k];
-            wall[3] += w * reach * reach;
+            wall_sum += w * beta;
+            for (int k = 0; k < 3; ++k) wall[k] += w * beta * x[k];
+            wall[3] += w * beta * beta;
         });
         for (int k = 0; k < 4; ++k) Base::wall_sums(i, k) = wall[k];
         for (int k = 0; k < 3; ++k) sums.pull[k] += wall[k];
-        sums.damped += 2 * share(i) * wall[3];
+        sums.damped += 2 * viscous_coefficient(i) * wall[3];
         if (form == ViscosityForm::corrected) fit = truncated_pseudo_inverse(sums.spread, min_moment_eigenvalue);
         double own[3];
         fit.times(sums.pull, own);
         Symmetric d = enclosed(fit, sums.strained);
-        const double c = share(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
+        const double c = viscous_coefficient(i), square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
         const double both = d.xx + d.yy + d.zz + c * square + damping * sums.damped;
         const double once = bulk.size() > 0 ? 1 + static_cast<double>(bulk(i)) : 1;
         d.xx *= once, d.yy *= once, d.zz *= once, d.xy *= once, d.xz *= once, d.yz *= once;
@@ -115,28 +115,28 @@ private:
         return d;
     }
     // What the pairs put there.
-    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& held, double& around) const {
+    KOKKOS_INLINE_FUNCTION Symmetric pair_block(int i, double& wall_sum, double& around) const {
         Symmetric d;
-        double weights = 0, shares_around = 0;
+        double weights = 0, weighted_coefficients = 0;
         const double soft = pair_softening(Base::kernel.h);
-        const auto pair = [&](double shares, double w, double dx, double dy, double dz, double r2) {
+        const auto pair = [&](double coefficients, double w, double dx, double dy, double dz, double r2) {
             if (form == ViscosityForm::pairwise) {
-                d.add_square((Kernel::dimensions + 2) * shares * w / (r2 + soft), dx, dy, dz);
+                d.add_square((Kernel::dimensions + 2) * coefficients * w / (r2 + soft), dx, dy, dz);
             } else {
-                const double along = shares * w * r2 / (r2 + soft);
+                const double along = coefficients * w * r2 / (r2 + soft);
                 d.xx += along, d.yy += along, d.zz += along;
             }
         };
         weigh(i, [](const Row::Near&, SimdDouble) {});
         Base::each_pair(i, [&](double w, int j, double dx, double dy, double dz, double r2) {
-            pair(share(i) + share(j), w, dx, dy, dz, r2);
+            pair(viscous_coefficient(i) + viscous_coefficient(j), w, dx, dy, dz, r2);
             weights += w * r2;
-            shares_around += w * r2 * share(j);
+            weighted_coefficients += w * r2 * viscous_coefficient(j);
         });
-        if (weights > 0) around = shares_around / weights;
+        if (weights > 0) around = weighted_coefficients / weights;
         Base::each_wall(i, [&](int, double w, double dx, double dy, double dz, const auto& contact) {
-            pair(2 * share(i), w * contact.reach, dx, dy, dz, dx * dx + dy * dy + dz * dz);
-            held += w * contact.reach;
+            pair(2 * viscous_coefficient(i), w * contact.beta, dx, dy, dz, dx * dx + dy * dy + dz * dz);
+            wall_sum += w * contact.beta;
         });
         return d;
     }

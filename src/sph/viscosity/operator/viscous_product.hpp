@@ -9,9 +9,9 @@ namespace treacle::sph {
 template <class Kernel>
 struct StressLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
-    double damping;      // kappa [1]
-    bool by_volumes;     // of the neighbours, as the published form has it
-    Array<double> share; // [particles] dt/m V mu [m2]
+    double damping;                    // kappa [1]
+    bool by_volumes;                   // of the neighbours, as the published form has it
+    Array<double> viscous_coefficient; // [particles] dt/m V mu [m2]
     Array6 correction;
     Array3 stress[3]; // columns of Q [m2/s]
     bool rated;
@@ -46,7 +46,7 @@ private:
         strain(spanned, g, s);
         if (rated || tension.size() > 0) rate(i) = math::sqrt(2 * contract(s));
         if (bulk.size() > 0) resist_expansion(i, spanned, s);
-        const double c = share(i);
+        const double c = viscous_coefficient(i);
         for (int k = 0; k < 3; ++k) {
             double q[3];
             fit.times(s[k], q);
@@ -75,14 +75,15 @@ private:
         return sum;
     }
     KOKKOS_INLINE_FUNCTION Columns sum_pairs(int i) const {
-        const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
-        const Double4 x = Double4::load(place + 4 * std::int64_t(i)), u = Double4::load(motion + 4 * std::int64_t(i));
+        const double *packed_position = Base::fluid.packed_position.data(), *motion = Base::fluid.motion.data();
+        const Double4 x = Double4::load(packed_position + 4 * std::int64_t(i)),
+                      u = Double4::load(motion + 4 * std::int64_t(i));
         Double4 even[3] = {0.0, 0.0, 0.0}, odd[3] = {0.0, 0.0, 0.0};
         Base::each_entry(i, even, odd, [&](Double4 columns[3], std::int64_t k) {
             const double* other = motion + 4 * std::int64_t(Base::fluid.liquid.index(k));
             const double w = by_volumes ? Base::weights(k) * other[3] : Base::weights(k);
             const Double4 along =
-                Double4(w) * (x - Double4::load(place + 4 * std::int64_t(Base::fluid.liquid.index(k))));
+                Double4(w) * (x - Double4::load(packed_position + 4 * std::int64_t(Base::fluid.liquid.index(k))));
             const Double4 apart = u - Double4::load(other);
             columns[0].add(along.all<0>(), apart);
             columns[1].add(along.all<1>(), apart);
@@ -98,9 +99,9 @@ struct StressForceLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     double damping; // kappa [1]
     RelativeDensity relative;
-    Array<double> share; // [particles] dt/m V mu [m2]
-    Array3 stress[3];    // columns of Q [m2/s]
-    Array3 product;      // C u [m/s]
+    Array<double> viscous_coefficient; // [particles] dt/m V mu [m2]
+    Array3 stress[3];                  // columns of Q [m2/s]
+    Array3 product;                    // C u [m/s]
 
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
         each_row<Double4>(
@@ -113,23 +114,24 @@ private:
         double u[3], f[4];
         Base::read_velocity(i, u);
         pairs.store(f);
-        Base::add_wall_stresses(i, StressGrip<Stresses>{{stress[0], stress[1], stress[2]}, share, damping}, u, f);
+        Base::add_wall_stresses(
+            i, WallStressForce<Stresses>{{stress[0], stress[1], stress[2]}, viscous_coefficient, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
-    // The fourth ones of `place` are the shares dt/m V mu, of which `damping` acts on differences of velocities.
+    // The fourth ones of `packed_position` are the viscous coefficients dt/m V mu, of which `damping` acts on differences of velocities.
     KOKKOS_INLINE_FUNCTION Double4 sum_pairs(int i) const {
-        const double *place = Base::fluid.place.data(), *motion = Base::fluid.motion.data();
+        const double *packed_position = Base::fluid.packed_position.data(), *motion = Base::fluid.motion.data();
         const auto read = [](const double* rows, int row) { return Double4::load(rows + 4 * std::int64_t(row)); };
-        const Double4 x = read(place, i), u = read(motion, i);
-        const Double4 twice = 2 * Base::fluid.place(i, 3), factor = damping;
+        const Double4 x = read(packed_position, i), u = read(motion, i);
+        const Double4 twice = 2 * Base::fluid.packed_position(i, 3), factor = damping;
         const Double4 own[3] = {Double4::load(stress[0], i), Double4::load(stress[1], i), Double4::load(stress[2], i)};
         struct Sums {
             Double4 pull[3] = {0.0, 0.0, 0.0}, slide = 0.0, spread = 0.0;
         } even, odd;
         Base::each_entry(i, even, odd, [&](Sums& sums, std::int64_t k) {
             const int j = Base::fluid.liquid.index(k);
-            const Double4 w = static_cast<double>(Base::weights(k)), apart = x - read(place, j);
+            const Double4 w = static_cast<double>(Base::weights(k)), apart = x - read(packed_position, j);
             const Double4 along = w * apart;
             sums.spread.add(w, apart);
             sums.pull[0].add(along.all<0>(), Double4::load(stress[0], j));
@@ -152,13 +154,13 @@ template <class Kernel>
 struct PairForceLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     RelativeDensity relative;
-    PairGrip grip;
+    WallPairForce wall_force;
     Array3 product; // C u [m/s]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double u[3];
         Base::read_velocity(i, u);
-        const double soft = grip.soft, line = grip.line, own = grip.share(i);
+        const double soft = wall_force.soft, line = wall_force.line, own = wall_force.viscous_coefficient(i);
         const Row row = Base::fluid.row(i);
         const std::int64_t first = Base::fluid.liquid.offset(i);
         SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
@@ -180,7 +182,7 @@ struct PairForceLoop : ViscousLoop<Kernel> {
             }
         }
         double f[3] = {sum_lanes(fx), sum_lanes(fy), sum_lanes(fz)};
-        Base::add_walls(i, grip, u, f);
+        Base::add_walls(i, wall_force, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }

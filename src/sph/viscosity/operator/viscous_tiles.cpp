@@ -7,12 +7,13 @@
 namespace treacle::sph {
 
 namespace {
-void pack_positions(const Array3& x, const Array<double>& share, int n, const Array8& rows, const Array16& tiles) {
+void pack_positions(
+    const Array3& x, const Array<double>& viscous_coefficient, int n, const Array8& rows, const Array16& tiles) {
     Kokkos::parallel_for(
-        "treacle::place_tiles", n, KOKKOS_LAMBDA(int i) {
+        "treacle::pack_tiles", n, KOKKOS_LAMBDA(int i) {
             for (int k = 0; k < 16; ++k) tiles(i, k) = 0;
             for (int l = 0; l < 3; ++l) rows(i, l) = tiles(i, 4 * l + 3) = static_cast<float>(x(i, l) - x(0, l));
-            rows(i, 3) = static_cast<float>(share(i));
+            rows(i, 3) = static_cast<float>(viscous_coefficient(i));
             rows(i, 7) = 0;
         });
 }
@@ -131,8 +132,8 @@ private:
         const double within[9] = {span.xx, span.xy, span.xz, span.xy, span.yy, span.yz, span.xz, span.yz, span.zz};
         float s[16];
         twice.store(s);
-        const float held = tension.size() > 0 ? static_cast<float>(tension(i)) : 0;
-        const float more = 0.5f * fits(i, 7) * (s[0] + s[5] + s[10]) + held;
+        const float kept = tension.size() > 0 ? static_cast<float>(tension(i)) : 0;
+        const float more = 0.5f * fits(i, 7) * (s[0] + s[5] + s[10]) + kept;
         for (int k = 0; k < 9; ++k) s[4 * (k / 3) + k % 3] += more * static_cast<float>(within[k]);
         return Float4x4::load(s);
     }
@@ -161,7 +162,7 @@ struct TileForceLoop : ViscousLoop<Kernel> {
     using Base = ViscousLoop<Kernel>;
     double damping;
     RelativeDensity relative;
-    Array<double> share;
+    Array<double> viscous_coefficient;
     Array3 velocity;
     Array16 tiles;
     Array3 product;
@@ -185,21 +186,21 @@ private:
         double f[3];
         const double u[3] = {velocity(i, 0), velocity(i, 1), velocity(i, 2)};
         for (int k = 0; k < 3; ++k) f[k] = s[k] + s[4 + k] + s[8 + k] + tiles(i, 12 + k);
-        Base::add_wall_stresses(i, StressGrip<TileStresses>{{tiles}, share, damping}, u, f);
+        Base::add_wall_stresses(i, WallStressForce<TileStresses>{{tiles}, viscous_coefficient, damping}, u, f);
         const double inertia = relative(i);
         for (int k = 0; k < 3; ++k) product(i, k) = inertia * u[k] + f[k];
     }
 };
 } // namespace
 
-void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& share, int dimensions) {
+void ViscousOperator::write_tiles(LiquidParticles& liquid, const Array<double>& viscous_coefficient, int dimensions) {
     const int n = liquid.store.total();
     reserve(rows_, static_cast<std::size_t>(n));
     reserve(tiles_, static_cast<std::size_t>(n));
     reserve(fits_, static_cast<std::size_t>(liquid.store.owned()));
-    pack_positions(liquid.store.position(), share, n, rows_, tiles_);
+    pack_positions(liquid.store.position(), viscous_coefficient, n, rows_, tiles_);
     write_fits(correction_, bulk_, dimensions, liquid.store.owned(), fits_);
-    tiles_are_placed_ = true;
+    tiles_are_packed_ = true;
 }
 
 // The ghosts' columns of Q go through the fields of the double products; beside moving walls loads() takes all from there.
@@ -220,8 +221,8 @@ void ViscousOperator::multiply_single_precision(
     auto& liquid = parts.liquid;
     const auto& store = liquid.store;
     const auto& constants = parts.constants;
-    const auto share = store.get<Array<double>>(share_);
-    if (!tiles_are_placed_) write_tiles(liquid, share, constants.dimensions);
+    const auto viscous_coefficient = store.get<Array<double>>(viscous_coefficient_);
+    if (!tiles_are_packed_) write_tiles(liquid, viscous_coefficient, constants.dimensions);
     parts.halo.gather(store, {u_field});
     const auto velocity = store.get<Array3>(u_field);
     if (slip_.any() || which == Walls::moving)
@@ -239,7 +240,7 @@ void ViscousOperator::multiply_single_precision(
         stress_interface(parts, which, u_field, TileStresses{tiles_});
         exchange_tiles(parts, which);
         Kokkos::parallel_for("treacle::viscous_tile_forces", blocks,
-            TileForceLoop<Kernel>{base, damping_, relative, share, velocity, tiles_, product});
+            TileForceLoop<Kernel>{base, damping_, relative, viscous_coefficient, velocity, tiles_, product});
         force_interface(parts, which, u_field, TileStresses{tiles_}, product);
     });
     add_slip(parts, which, product);

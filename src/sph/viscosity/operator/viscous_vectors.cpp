@@ -100,11 +100,12 @@ void step_freely(const RelativeDensity& inertia, const Array3& product, int n, c
         });
 }
 
-void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, const Array3& u, const Array3& product) {
+void constrain_rows(
+    const LiquidParticles& liquid, const RelativeDensity& inertia, const Array3& u, const Array3& product) {
     if (!liquid.has_inlets()) return;
     const auto inlet = liquid.inlet();
     Kokkos::parallel_for(
-        "treacle::viscous_held", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
+        "treacle::viscous_constrained", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
             if (inlet(i) == 0) return;
             for (int k = 0; k < 3; ++k) product(i, k) = inertia(i) * u(i, k);
         });
@@ -112,11 +113,11 @@ void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, co
 
 void round_free(const LiquidParticles& liquid) {
     const auto u = liquid.velocity();
-    const bool holds = liquid.has_inlets();
-    const auto inlet = holds ? liquid.inlet() : Array<int>();
+    const bool constrains = liquid.has_inlets();
+    const auto inlet = constrains ? liquid.inlet() : Array<int>();
     Kokkos::parallel_for(
         "treacle::viscous_rounding", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            if (holds && inlet(i) > 0) return;
+            if (constrains && inlet(i) > 0) return;
             for (int k = 0; k < 3; ++k) u(i, k) = rounded(u(i, k));
         });
 }

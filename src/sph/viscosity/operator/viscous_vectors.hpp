@@ -29,8 +29,9 @@ void copy(const Array3& from, int n, const Array3& to);
 // u = u* + (M u* - product) / M
 void step_freely(const RelativeDensity& inertia, const Array3& product, int n, const Array3& u);
 
-// The rows of particles that an inlet holds are M u = M u*: that velocity is prescribed.
-void hold_rows(const LiquidParticles& liquid, const RelativeDensity& inertia, const Array3& u, const Array3& product);
+// The rows of particles that an inlet moves are M u = M u*: that velocity is prescribed.
+void constrain_rows(
+    const LiquidParticles& liquid, const RelativeDensity& inertia, const Array3& u, const Array3& product);
 
 // Velocities to numbers of single precision, of which products in it are exact but for their differences. Not those that inlets
 // hold: no direction would make up for that.

@@ -15,16 +15,16 @@ struct ViscousWalls {
     Array<double> friction; // [body] 0: free slip, nothing of it counts; 1: no slip
     Array<double> motion;   // [body][6] velocity [m/s] and spin [rad/s]
     MomentReferencePoints points;
-    double grip;  // factor on V_s, Constants::wall_viscous_factor
-    double depth; // of the layer below the surface [m]
-    double least; // distance from the surface below which particles are not taken to be [m]
-    bool resting; // as if no solid moved
+    double viscous_factor; // factor on V_s, Constants::wall_viscous_factor
+    double depth;          // of the layer below the surface [m]
+    double least;          // distance from the surface below which particles are not taken to be [m]
+    bool resting;          // as if no solid moved
 
     // One liquid particle and one solid particle.
     struct Contact {
-        double reach;       // 1 / tau: (u_i - u_w) reach is the difference at the solid particle
+        double beta;        // 1 / tau: (u_i - u_w) beta is the difference at the solid particle
         double velocity[3]; // u_w at x_i - tau x_is [m/s]
-        double place[3];    // that point [m]
+        double position[3]; // that point [m]
     };
 
     // True for a solid particle whose friction is not 0.
@@ -36,7 +36,7 @@ struct ViscousWalls {
         const auto& x = pairs.among;
         Contact out{1 / tau, {0, 0, 0}, {x(s, 0) + (1 - tau) * dx, x(s, 1) + (1 - tau) * dy, x(s, 2) + (1 - tau) * dz}};
         if (resting) return out;
-        points.velocity(motion, body(s), out.place, out.velocity);
+        points.velocity(motion, body(s), out.position, out.velocity);
         return out;
     }
 };

@@ -18,7 +18,7 @@ struct SlipLoop {
     Kernel kernel;
     Pairs pairs;
     MomentReferencePoints points;
-    Array<double> slip, share;
+    Array<double> slip, viscous_coefficient;
     Array<double> volume, wetting;
     Array<int> body;
     Array3 normal;
@@ -38,7 +38,7 @@ struct SlipLoop {
     // visit(s, c) with dt/m times the drag coefficient between particle i and the solid particle.
     template <class Visit>
     KOKKOS_INLINE_FUNCTION void each(int i, const Visit& visit) const {
-        const double c = share(i) / rest_volume;
+        const double c = viscous_coefficient(i) / rest_volume;
         each_area(i, [&](int s, double part, double height) { visit(s, c * part / (slip(body(s)) + height)); });
     }
 };
@@ -74,11 +74,11 @@ struct SlipForceLoop : SlipLoop<Kernel> {
     Array3 product;
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const auto& x = Base::pairs.of;
-        const double place[3] = {x(i, 0), x(i, 1), x(i, 2)};
+        const double position[3] = {x(i, 0), x(i, 1), x(i, 2)};
         double sum[3] = {0, 0, 0};
         Base::each(i, [&](int s, double c) {
             double wall[3];
-            Base::points.velocity(motion, Base::body(s), place, wall);
+            Base::points.velocity(motion, Base::body(s), position, wall);
             for (int k = 0; k < 3; ++k) sum[k] += c * (u(i, k) - wall[k]);
         });
         for (int k = 0; k < 3; ++k) product(i, k) += sum[k];
@@ -93,13 +93,13 @@ struct SlipLoadLoop : SlipLoop<Kernel>, LoadReduction {
     double scale;
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const auto& x = Base::pairs.of;
-        const double place[3] = {x(i, 0), x(i, 1), x(i, 2)};
+        const double position[3] = {x(i, 0), x(i, 1), x(i, 2)};
         Base::each(i, [&](int s, double c) {
             const int body = Base::body(s);
             double wall[3], force[3];
-            Base::points.velocity(motion, body, place, wall);
+            Base::points.velocity(motion, body, position, wall);
             for (int k = 0; k < 3; ++k) force[k] = scale * c * (u(i, k) - wall[k]);
-            Base::points.add(sum + 6 * body, body, place, force);
+            Base::points.add(sum + 6 * body, body, position, force);
         });
     }
 };
@@ -109,23 +109,23 @@ struct SlipStiffnessLoop : SlipLoop<Kernel>, LoadReduction {
     using Base = SlipLoop<Kernel>;
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
         const auto& x = Base::pairs.of;
-        const double place[3] = {x(i, 0), x(i, 1), x(i, 2)};
-        Base::each(i, [&](int s, double c) { Base::points.add_stiffness(sum, Base::body(s), place, c); });
+        const double position[3] = {x(i, 0), x(i, 1), x(i, 2)};
+        Base::each(i, [&](int s, double c) { Base::points.add_stiffness(sum, Base::body(s), position, c); });
     }
 };
 
 // Calls work(loop) with the common part of the loops.
 template <class Work>
 void with_slip(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& slip,
-    const Array<double>& share, const Work& work) {
+    const Array<double>& viscous_coefficient, const Work& work) {
     const auto& c = scene.constants;
     const auto& solid = scene.solid;
     const double area = std::pow(c.spacing, c.dimensions - 1) / c.wall_volume;
     with_kernel(scene.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         work(SlipLoop<Kernel>{kernel, pairs(scene.neighbours.solid, scene.liquid.store, solid.store), points, slip,
-            share, solid.volume(), solid.wetting(), solid.body(), solid.normal(), c.rest_volume, area, c.wall_packing,
-            c.wall_depth, least_wetting * c.wall_kernel_sum, least_height * c.spacing});
+            viscous_coefficient, solid.volume(), solid.wetting(), solid.body(), solid.normal(), c.rest_volume, area,
+            c.wall_packing, c.wall_depth, least_wetting * c.wall_kernel_sum, least_height * c.spacing});
     });
 }
 } // namespace
@@ -133,16 +133,17 @@ void with_slip(const ViscousScene& scene, const MomentReferencePoints& points, c
 WallSlip::WallSlip(const std::vector<double>& lengths)
     : any_(std::ranges::any_of(lengths, [](double b) { return b > 0; })), slip_(upload(lengths)) {}
 
-void WallSlip::prepare(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& share) {
+void WallSlip::prepare(
+    const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& viscous_coefficient) {
     if (!any_) return;
     points_ = points;
     const int n = scene.liquid.store.owned();
-    reserve(share_, static_cast<std::size_t>(n));
+    reserve(viscous_coefficient_, static_cast<std::size_t>(n));
     const auto rows = Kokkos::make_pair(0, n);
-    Kokkos::deep_copy(Kokkos::subview(share_, rows), Kokkos::subview(share, rows));
+    Kokkos::deep_copy(Kokkos::subview(viscous_coefficient_, rows), Kokkos::subview(viscous_coefficient, rows));
     const auto& store = scene.solid.store;
     Kokkos::deep_copy(scene.solid.wetting(), 0.0);
-    with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
+    with_slip(scene, points_, slip_, viscous_coefficient_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_for("treacle::wall_kernel_sum", n, WettingLoop<Kernel>{loop});
     });
@@ -151,9 +152,9 @@ void WallSlip::prepare(const ViscousScene& scene, const MomentReferencePoints& p
         scene.solid_halo->gather(store, {scene.solid.wetting_field()});
     }
     reserve(drag_, static_cast<std::size_t>(n));
-    with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
+    with_slip(scene, points_, slip_, viscous_coefficient_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
-        Kokkos::parallel_for("treacle::wall_drag", n, DragLoop<Kernel>{loop, drag_, share});
+        Kokkos::parallel_for("treacle::wall_drag", n, DragLoop<Kernel>{loop, drag_, viscous_coefficient});
     });
 }
 
@@ -167,7 +168,7 @@ void WallSlip::add(const ViscousScene& scene, const Array3& product) const {
 }
 
 void WallSlip::add(const ViscousScene& scene, const Array<double>& motion, const Array3& product) const {
-    with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
+    with_slip(scene, points_, slip_, viscous_coefficient_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_for("treacle::moving_wall_slip", scene.liquid.store.owned(),
             SlipForceLoop<Kernel>{loop, scene.liquid.motion, motion, product});
@@ -176,7 +177,7 @@ void WallSlip::add(const ViscousScene& scene, const Array<double>& motion, const
 
 void WallSlip::add_loads(const ViscousScene& scene, const Array<double>& motion, double scale, BodyLoads& loads) const {
     BodyLoads own(loads.size(), 0.0);
-    with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
+    with_slip(scene, points_, slip_, viscous_coefficient_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_reduce("treacle::wall_slip_loads", scene.liquid.store.owned(),
             SlipLoadLoop<Kernel>{loop, {own.size()}, scene.liquid.motion, motion, scale}, host_sums(own));
@@ -184,14 +185,14 @@ void WallSlip::add_loads(const ViscousScene& scene, const Array<double>& motion,
     for (std::size_t k = 0; k < loads.size(); ++k) loads[k] += own[k];
 }
 
-void WallSlip::add_stiffness(const ViscousScene& scene, std::vector<double>& held) const {
-    std::vector<double> own(held.size(), 0.0);
-    with_slip(scene, points_, slip_, share_, [&](const auto& loop) {
+void WallSlip::add_stiffness(const ViscousScene& scene, std::vector<double>& stiffness) const {
+    std::vector<double> own(stiffness.size(), 0.0);
+    with_slip(scene, points_, slip_, viscous_coefficient_, [&](const auto& loop) {
         using Kernel = std::decay_t<decltype(loop.kernel)>;
         Kokkos::parallel_reduce("treacle::wall_slip_stiffness", scene.liquid.store.owned(),
             SlipStiffnessLoop<Kernel>{loop, {own.size()}}, host_sums(own));
     });
-    for (std::size_t k = 0; k < held.size(); ++k) held[k] += own[k];
+    for (std::size_t k = 0; k < stiffness.size(); ++k) stiffness[k] += own[k];
 }
 
 } // namespace treacle::sph

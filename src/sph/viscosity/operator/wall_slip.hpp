@@ -15,13 +15,14 @@ public:
     // With the length per solid [m], 0: none.
     explicit WallSlip(const std::vector<double>& lengths);
 
-    // Collective. `share` is dt/m V mu of the owned particles, which loses what the wall's traction stands
+    // Collective. `viscous_coefficient` is dt/m V mu of the owned particles, which loses what the wall's traction stands
     // for.
-    void prepare(const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& share);
+    void prepare(
+        const ViscousScene& scene, const MomentReferencePoints& points, const Array<double>& viscous_coefficient);
 
     bool any() const { return any_; } // some solid has a length
     // dt/m times the drag coefficient of each owned particle; when there is any.
-    std::size_t bytes() const { return sizeof(double) * (slip_.span() + share_.span() + drag_.span()); }
+    std::size_t bytes() const { return sizeof(double) * (slip_.span() + viscous_coefficient_.span() + drag_.span()); }
     const Array<double>& drag() const { return drag_; }
 
     // product += drag (u - u_w) of the owned particles, beside walls that rest, or that move. u:
@@ -31,13 +32,13 @@ public:
     // Adds this rank's share of the pull on the solids, times `scale`.
     void add_loads(const ViscousScene& scene, const Array<double>& motion, double scale, BodyLoads& loads) const;
     // Adds the 6 x 6 derivative of the above by the motion of each solid, with the other sign, for scale 1.
-    void add_stiffness(const ViscousScene& scene, std::vector<double>& held) const;
+    void add_stiffness(const ViscousScene& scene, std::vector<double>& stiffness) const;
 
 private:
     bool any_ = false;
     MomentReferencePoints points_;
     Array<double> slip_;
-    Array<double> share_{"treacle::slip_share", 0}; // dt/m V mu, whole
+    Array<double> viscous_coefficient_{"treacle::slip_viscous_coefficient", 0}; // dt/m V mu, whole
     Array<double> drag_{"treacle::wall_drag", 0};
 };
 

@@ -1,4 +1,4 @@
-#include "app/study/measured_shares.hpp"
+#include "app/study/measured_fractions.hpp"
 
 #include "app/input/table_text.hpp"
 #include "base/text/file.hpp"
@@ -40,7 +40,7 @@ struct Part {
 };
 } // namespace
 
-std::vector<LabelledLine> measured_shares(const identify::StudyFile& file, const std::filesystem::path& result) {
+std::vector<LabelledLine> measured_fractions(const identify::StudyFile& file, const std::filesystem::path& result) {
     const auto found = deviations_of(result);
     std::vector<Part> parts;
     double sum = 0;

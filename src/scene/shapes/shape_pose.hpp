@@ -8,7 +8,7 @@
 namespace treacle::scene {
 
 // A rotation about the origin, then a shift [m]: where a shape stands that is a part of others.
-struct Placement {
+struct ShapePose {
     std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}; // the turned axes
     // Added after the rotation [m].
     Vec3 shift{0, 0, 0};
@@ -19,8 +19,8 @@ struct Placement {
     Vec3 at(const Vec3& x) const { return turn(x) + shift; }
 
     // This one after another one.
-    Placement after(const Placement& first) const {
-        Placement out;
+    ShapePose after(const ShapePose& first) const {
+        ShapePose out;
         for (std::size_t k = 0; k < 3; ++k) out.columns[k] = turn(first.columns[k]);
         out.shift = at(first.shift);
         out.turned = turned || first.turned;
@@ -29,8 +29,8 @@ struct Placement {
 };
 
 // The rotation of a shape about its `centre`, then its translation.
-inline Placement placement_of(const Shape& shape) {
-    Placement out;
+inline ShapePose pose_of(const Shape& shape) {
+    ShapePose out;
     out.turned = shape.rotation_angle != 0;
     if (out.turned) {
         for (Vec3& column : out.columns) column = rotated(column, unit(shape.rotation_axis), shape.rotation_angle);
