@@ -174,7 +174,8 @@ void Decomposition::repartition(std::span<const int> cells, std::span<const doub
             if (ranks == 1) {
                 boxes_[static_cast<std::size_t>(part.first)] = part.box;
             } else {
-                const double fraction = double(ranks / 2) / ranks;
+                const int lower = ranks / 2;
+                const double fraction = double(lower) / ranks;
                 const auto cut = best_cut(histograms.of(p), fraction, part.box);
                 value = static_cast<int>(nodes_.size());
                 nodes_.push_back({cut.axis, cut.at, 0, 0});

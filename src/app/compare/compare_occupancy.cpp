@@ -76,6 +76,7 @@ void compare_occupancy(const Comm& comm, const identify::StudyFile& file, const 
     comm.sum(std::span<double>(columns.film));
     comm.sum(std::span<double>(columns.run));
     std::vector<double> times;
+    times.reserve(frames.size());
     for (const auto& frame : frames) times.push_back(frame.time);
     const auto filmed = identify::turning_of(times, columns.film), simulated = identify::turning_of(times, columns.run);
     for (std::size_t w = 0; w < windows.size(); ++w) {

@@ -107,7 +107,7 @@ std::filesystem::path film_candidate(const CandidateStudy& candidate, const std:
     const auto study = candidate.write(masks, "filmed.yaml");
     const auto run = run_points(study, {answer}, candidate.folder / "filmed", log);
     if (run.empty()) return {};
-    const auto out = run.front() / "masks_candidate";
+    auto out = run.front() / "masks_candidate";
     for (const char* name : {"silhouettes.csv", "film.csv"}) {
         if (std::filesystem::is_regular_file(masks / name))
             std::filesystem::copy_file(masks / name, out / name, std::filesystem::copy_options::overwrite_existing);
@@ -126,6 +126,7 @@ std::optional<Eigen::MatrixXd> information_of(
         run_points(study, points_around(candidate.file, found.values, steps), candidate.folder / "moved", log);
     if (folders.empty()) return {};
     std::vector<identify::RunResiduals> runs;
+    runs.reserve(folders.size());
     for (const auto& folder : folders) runs.push_back(identify::read_residuals(folder, "candidate"));
     const auto base = runs.front();
     runs.erase(runs.begin());
@@ -170,6 +171,7 @@ ExitCode propose_next(const NextRequest& request) {
     if (found.answer.end == study::StudyEnd::stopped) return ExitCode::stopped;
     if (!found.answer.estimate) return ExitCode::simulation_failed;
     std::vector<double> rates;
+    rates.reserve(rate_points);
     for (int i = 0; i < rate_points; ++i)
         rates.push_back(request.low * std::pow(request.high / request.low, double(i) / (rate_points - 1)));
     const auto slopes = flow_curve_slopes(file, found.answer.values, liquids.front(), rates);

@@ -48,6 +48,7 @@ std::string choices(const std::vector<std::string>& names, const std::string& wo
 identify::Material pick_material(const std::filesystem::path& file, const Words& words) {
     auto all = identify::read_materials(file);
     std::vector<std::string> names;
+    names.reserve(all.size());
     for (const auto& one : all) names.push_back(one.name);
     if (words.name.empty() && all.size() == 1) return std::move(all.front());
     const auto found = std::ranges::find(names, words.name);

@@ -132,6 +132,7 @@ std::vector<double> thin_fractions(const Preview& preview, std::size_t liquids) 
         points[static_cast<std::size_t>(preview.liquid.liquids[i])].push_back(preview.liquid.positions[i]);
     }
     std::vector<double> fractions;
+    fractions.reserve(points.size());
     for (const auto& part : points)
         fractions.push_back(part.empty() ? 0 : Occupancy(preview.lattice, part).thin_fraction());
     return fractions;

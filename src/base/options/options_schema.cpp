@@ -43,7 +43,7 @@ Json object_of(const OptionEntry& block) {
 }
 
 Json block_of(const OptionEntry& entry) {
-    const auto object = object_of(entry);
+    auto object = object_of(entry);
     for (const auto& member : entry.members) {
         if (member.key != entry.shorthand) continue;
         return {{"anyOf", Json::array({schema_of(member), object})}};
@@ -71,7 +71,7 @@ Json type_of(const OptionEntry& entry) {
     case Kind::texts: return texts_of(entry);
     case Kind::numbers: return {{"type", "array"}, {"items", quantity(entry.range)}};
     case Kind::vec3: {
-        const Json list = {{"type", "array"}, {"items", quantity(range_any())}, {"minItems", 2}, {"maxItems", 3}};
+        Json list = {{"type", "array"}, {"items", quantity(range_any())}, {"minItems", 2}, {"maxItems", 3}};
         if (entry.vector != VectorKind::turning) return list;
         return {{"anyOf", Json::array({quantity(range_any()), list})}};
     }

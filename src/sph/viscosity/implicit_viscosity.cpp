@@ -141,7 +141,7 @@ solve::SolveReport ImplicitViscosity::solve_implicitly(const ViscousContext& par
         copy(liquid.velocity(), n, before_);
     }
     const auto& before = guessing || verified ? before_ : liquid.velocity();
-    const auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, before});
+    auto report = rated ? solve_by_rates(parts, bodies) : solve_once({parts, bodies, before});
     if (guessing) store_increment(liquid);
     return report;
 }

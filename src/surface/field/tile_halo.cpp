@@ -79,7 +79,8 @@ int TileHalo::connect(const Decomposition& decomposition, const CellBox& window,
     for (const auto& message : arrived) {
         std::memcpy(&blocks.emplace_back(), message.bytes.data(), sizeof(CellBox));
         std::size_t k = sizeof(CellBox);
-        for_each_tile(blocks.back(), [&](int x, int y, int z) { code(x, y, z) = message.bytes[k++]; });
+        for_each_tile(
+            blocks.back(), [&](int x, int y, int z) { code(x, y, z) = static_cast<signed char>(message.bytes[k++]); });
     }
     int slots = 0;
     for (int& c : codes) {
