@@ -21,7 +21,7 @@ def momentum(context):
     """On 1, 2, 3 and 4 ranks; the tests hold the sums to 1e-10."""
     parts = [gtest_on_ranks(context, "grid_viscosity_test", "GridViscousBodies.momentum_of_liquid_and_bodies_is_kept", at_least=1),
              gtest_on_ranks(context, "grid_pressure_test", "BodiesInLiquid.ChangeNoMomentumTogether", at_least=1),
-             gtest_on_ranks(context, "grid_step_test", "Steps.KeepTheMomentumOfLiquidAndBody", at_least=1)]
+             gtest_on_ranks(context, "grid_step_test", "StepsWithSolids.KeepTheMomentumOfLiquidAndBody", at_least=1)]
     return Figure("viscosity " + parts[0].measured + "; pressure " + parts[1].measured + "; step " + parts[2].measured,
                   all(part.ok for part in parts))
 

@@ -38,9 +38,8 @@ protected:
         Kokkos::deep_copy(to.particles.velocity(), u);
         for (int a = 0; a < 3; ++a) {
             const auto c = on_host(to.particles.affine(a));
-            for (std::size_t i = 0; i < std::size_t(to.particles.store.total()); ++i) {
+            for (std::size_t i = 0; i < std::size_t(to.particles.store.total()); ++i)
                 for (std::size_t k = 0; k < 3; ++k) c(i, k) = gradient[std::size_t(a)][k];
-            }
             Kokkos::deep_copy(to.particles.affine(a), c);
         }
     }
@@ -49,9 +48,8 @@ protected:
         const auto u = on_host(to.particles.velocity());
         const auto id = on_host(to.particles.id());
         const int d = to.grid.dimensions;
-        for (std::size_t i = 0; i < std::size_t(to.particles.store.total()); ++i) {
+        for (std::size_t i = 0; i < std::size_t(to.particles.store.total()); ++i)
             for (int a = 0; a < 3; ++a) u(i, std::size_t(a)) = a < d ? std::sin(double(id(i) % 1000) * (1.7 + a)) : 0;
-        }
         Kokkos::deep_copy(to.particles.velocity(), u);
     }
     void gather_particles(Liquid& of) const {
@@ -296,9 +294,8 @@ TEST_P(TransferCase, WallsPushParticlesBackAndOpenSidesLetThemGo) {
     EXPECT_EQ(go({2, 0, 0}), std::pair(std::int64_t(0), tank.decomposition.comm().sum(due)));
     const auto cause = on_host(tank.particles.cause());
     const auto moved = on_host(tank.particles.position());
-    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i) {
+    for (std::size_t i = 0; i < std::size_t(tank.particles.store.owned()); ++i)
         EXPECT_EQ(cause(i) == int(LossCause::outflow), moved(i, 0) > 1);
-    }
     EXPECT_TRUE(remove_departed(tank.particles).empty()); // what flows out is not lost
     EXPECT_EQ(tank.decomposition.comm().sum(std::int64_t(tank.particles.store.owned()) + due), all);
     // An open side that lets nothing go loses them, but for what an outlet takes.
@@ -386,9 +383,8 @@ TEST_P(TransferCase, SeedsDoNotDependOnTheRanks) {
         const auto x = on_host(of.particles.position());
         const auto id = on_host(of.particles.id());
         std::vector<std::array<double, 4>> out;
-        for (std::size_t i = 0; i < std::size_t(of.particles.store.owned()); ++i) {
+        for (std::size_t i = 0; i < std::size_t(of.particles.store.owned()); ++i)
             out.push_back({double(id(i)), x(i, 0), x(i, 1), x(i, 2)});
-        }
         std::sort(out.begin(), out.end());
         return out;
     };

@@ -96,4 +96,27 @@ inline States states(const GridStep& step) {
     return out;
 }
 
+// Distance [m].
+inline double from(const Vec3& centre, const Vec3& x) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += (x[k] - centre[k]) * (x[k] - centre[k]);
+    return std::sqrt(sum);
+}
+
+// A ball that moves freely, of a density [kg/m3].
+inline rigid::BodySetup ball_body(const Vec3& centre, double radius, double density) {
+    scene::Shape shape;
+    shape.kind = scene::ShapeKind::sphere;
+    shape.centre = centre;
+    shape.radius = radius;
+    rigid::BodySetup body;
+    body.kind = scene::BodyKind::dynamic;
+    body.centre = centre;
+    body.mass = density * 4.0 / 3 * math::pi * radius * radius * radius;
+    for (std::size_t k = 0; k < 3; ++k) body.inertia[k][k] = 0.4 * body.mass * radius * radius;
+    body.region = {scene::SolidRegion(shape)};
+    body.bounding_radius = radius;
+    return body;
+}
+
 } // namespace treacle::grid
