@@ -17,9 +17,8 @@ public:
     void find(const Solids& solids, const FractionBuilder& builder, const rigid::RigidBodies& bodies);
 
     std::size_t count() const { return count_; } // 6 sides and all bodies
-    const FaceBodyFractions& body_fractions() const {
-        return body_fractions_;
-    } // [window], by the axis that the faces are across
+    // [window], by the axis that the faces are across.
+    const FaceBodyFractions& body_fractions() const { return body_fractions_; }
     // All about one point, the middle of periodic axes, so that a position and its images have one arm.
     const BodyMotion& motion() const { return motion_; }
     // Loads about that point become those about the origin.

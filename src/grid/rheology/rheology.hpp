@@ -18,9 +18,8 @@ class RestingSolids;
 struct StrainContext {
     const MacGrid& grid;
     CellHalo& halo;
-    const Fractions& fractions; // cell_liquid_clipped, edge_liquid_clipped
-    const Fractions&
-        no_slip_fractions; // of the solids that liquid does not slide along: cell_fluid, face_fluid, edge_fluid
+    const Fractions& fractions;              // cell_liquid_clipped, edge_liquid_clipped
+    const Fractions& no_slip_fractions;      // of the no-slip solids alone: cell_fluid, face_fluid, edge_fluid
     const FaceBodyFractions& body_fractions; // of no-slip bodies
     const BodyMotion& motion;
     const ViscosityOptions& options; // which stresses there are

@@ -97,8 +97,7 @@ struct SurfaceLoop {
     PressureFaces faces;
     CellBox cells;
     double dx;
-    double once_weight,
-        twice_weight; // of the smoothed fractions in the one whose surface lies where that of the liquid does
+    double once_weight, twice_weight; // of the smoothed fractions, for the surface to lie where that of the liquid does
     Array<double> once, twice, curvature, of_twice;
 
     KOKKOS_INLINE_FUNCTION double fraction(int at) const { return once_weight * once(at) + twice_weight * twice(at); }
