@@ -96,13 +96,13 @@ std::vector<int> blocks_of(
 }
 
 Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
-    const auto& [fit, g, blocks] = blocked;
-    const int count = *std::ranges::max_element(blocks) + 1;
+    const auto& [fit, g, block_of] = blocked;
+    const int count = *std::ranges::max_element(block_of) + 1;
     const auto n = g.cols();
     std::vector<Matrix> blocks(std::size_t(count), Matrix::Zero(n, n));
     Matrix scores = Matrix::Zero(count, n);
     for (Eigen::Index i = 0; i < g.rows(); ++i) {
-        const auto b = std::size_t(blocks[std::size_t(i)]);
+        const auto b = std::size_t(block_of[std::size_t(i)]);
         blocks[b] += fit.weights[i] * g.row(i).transpose() * g.row(i);
         scores.row(Eigen::Index(b)) += fit.weights[i] * fit.left[i] * g.row(i);
     }

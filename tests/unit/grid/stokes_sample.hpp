@@ -123,7 +123,7 @@ private:
     }
     PressureContext scene() {
         return {grid, halo, distance, fractions, sample.solid_slips ? all_body_fractions : body_fractions, bodies,
-            sample.density, sample.surface_tension};
+            sample.density, sample.surface_tension, nullptr, nullptr, {}};
     }
     ViscousScene viscous_scene() {
         return {.grid = grid,

@@ -64,7 +64,9 @@ TEST_F(EmptySystems, need_no_hierarchy_of_the_callers) {
     Multilevel multilevel(comm, {});
     std::vector<int> cells;
     KrylovOptions options;
-    options.user.set_up = [&](Matrix& matrix) { multilevel.set_up(matrix, {.cells = cells}); };
+    options.user.set_up = [&](Matrix& matrix) {
+        multilevel.set_up(matrix, {.cells = cells, .dirichlet = {}, .walls = {}});
+    };
     options.user.apply = [&](auto r, auto z) { multilevel.apply(r, z); };
     KrylovSolver solver(comm, "test", options);
     expect_to_serve(solver, [&](TestSystem& system) { cells = cells_of(system, width); });
@@ -77,7 +79,7 @@ TEST_F(EmptySystems, leave_hierarchies_as_good_as_new) {
         auto system = poisson(comm, n, Border::dirichlet);
         Matrix matrix(comm, system.blocks());
         const auto cells = cells_of(system, width);
-        multilevel.set_up(matrix, {.cells = cells});
+        multilevel.set_up(matrix, {.cells = cells, .dirichlet = {}, .walls = {}});
         const std::vector<double> positions(cells.begin(), cells.end());
         const std::vector<signed char> axes(static_cast<std::size_t>(system.rows), 0);
         rigid.set_up(matrix, {3, 1.0, cells, positions, axes, {}});
@@ -104,7 +106,7 @@ TEST_F(EmptySystems, of_some_ranks_take_part_in_all_exchanges) {
     const std::vector<double> positions(cells.begin(), cells.end());
     const std::vector<signed char> axes(static_cast<std::size_t>(system.rows), 0);
     Multilevel multilevel(comm, {.max_coarse_size = 10});
-    multilevel.set_up(matrix, {.cells = cells});
+    multilevel.set_up(matrix, {.cells = cells, .dirichlet = {}, .walls = {}});
     expect_symmetric_and_positive(comm, system, [&](auto from, auto to) { multilevel.apply(from, to); });
     RigidMultilevel rigid(comm, {.max_coarse_size = 10});
     rigid.set_up(matrix, {3, 1.0, cells, positions, axes, {}});
