@@ -133,16 +133,16 @@ struct Search {
 
 void NeighbourList::build(
     const ParticleStore& of, const ParticleStore& among, const CellGrid& grid, const CellList& cells, double radius) {
-    const int n = of.owned(), chunks = (n + chunk - 1) / chunk;
-    for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(among.total() + batch));
+    const int n = of.owned(), total = among.total(), chunks = (n + chunk - 1) / chunk;
+    for (auto& axis : along_) reserve(axis, static_cast<std::size_t>(total + batch));
     const Search search{grid, cells.window, cells.begin, cells.end, of.position(), along_[0], along_[1], along_[2],
         radius * radius, n, &of == &among};
     const auto x = among.position();
     Kokkos::parallel_for(
-        "treacle::split_positions", among.total(), KOKKOS_LAMBDA(int j) {
-            search.along_x(j) = x(j, 0);
-            search.along_y(j) = x(j, 1);
-            search.along_z(j) = x(j, 2);
+        "treacle::split_positions", total + batch, KOKKOS_LAMBDA(int j) {
+            search.along_x(j) = j < total ? x(j, 0) : 0.0;
+            search.along_y(j) = j < total ? x(j, 1) : 0.0;
+            search.along_z(j) = j < total ? x(j, 2) : 0.0;
         });
     reserve(offset, static_cast<std::size_t>(n) + 1);
     reserve(mask_offset_, static_cast<std::size_t>(chunks) + 1);

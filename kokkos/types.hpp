@@ -3,6 +3,7 @@
 #include <Kokkos_MathematicalFunctions.hpp>
 
 #include <cstdint>
+#include <limits>
 
 // The subset of Kokkos that compiles with 3.4 and with 4.x/5.x on every back end, under short names.
 namespace treacle {
@@ -31,7 +32,7 @@ using Kokkos::Experimental::fabs;
 using Kokkos::Experimental::floor;
 using Kokkos::Experimental::pow;
 using Kokkos::Experimental::sqrt;
-KOKKOS_INLINE_FUNCTION bool isfinite(double x) { return x - x == 0.0; }
+KOKKOS_INLINE_FUNCTION bool isfinite(double x) { return fabs(x) <= std::numeric_limits<double>::max(); }
 #endif
 inline constexpr double pi = 3.141592653589793238462643383279502884;
 

@@ -215,9 +215,9 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     if (balances()) balance_.begin(comm_, balance_scene(), bodies_);
     faces_to_particles(grid_, cells_halo_.window(), velocity_, particles_); // (A4)
     balance_momentum(report, times.kick);                                   // (M)
-    times.drift = report.dt =
-        std::min(times.drift, (setup_.options.cfl + 1) * grid_.dx / fastest(particles_.velocity()));
-    const double dt = times.drift;
+    const double way = (setup_.options.cfl + 1) * grid_.dx, speed = fastest(particles_.velocity());
+    if (speed * times.drift > way) times.drift = way / speed;
+    const double dt = report.dt = times.drift;
     subtract_faces(grid_, cells_halo_.window(), velocity_, start_, scratch_);
     end_velocities(grid_, cells_halo_.window(), scratch_, times, particles_); // (E)
     const double before = bodies_.time();

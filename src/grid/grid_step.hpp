@@ -83,7 +83,7 @@ public:
     // Collective: to be called when particles have been put into the store, on whatever rank.
     void start();
     // As start, with the decomposition of a checkpoint of the same number of ranks.
-    void restore(std::span<const std::int64_t> decomposition);
+    void restore(std::span<const std::int64_t> state);
     // The bodies as a checkpoint has them; before start() or restore().
     void restore_bodies(std::span<const double> state) { bodies_.restore(state); }
     // State that the next step needs of those before it, whatever the number of ranks; restored before start() or

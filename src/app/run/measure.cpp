@@ -118,6 +118,7 @@ std::vector<double> wet_levels(const HeightGauge& gauge, const Chosen& chosen, c
     std::vector<std::int64_t> sums(host.data(), host.data() + host.extent(0));
     solver.comm().sum(std::span(sums));
     std::vector<double> out;
+    out.reserve(sums.size());
     for (const auto count : sums) out.push_back(1e-9 * double(count));
     return out;
 }

@@ -51,6 +51,7 @@ Vec3 width_of(const scene::Inlet& inlet, const Vec3& direction, int dimensions) 
 std::vector<double> positions_across(double extent, double spacing) {
     const int n = std::max(1, static_cast<int>(std::floor(extent / spacing + 1e-6)));
     std::vector<double> out;
+    out.reserve(static_cast<std::size_t>(n));
     for (int k = 0; k < n; ++k) out.push_back((k - 0.5 * (n - 1)) * spacing);
     return out;
 }

@@ -124,6 +124,7 @@ ExitCode plan_study(
     std::erase_if(candidates, [&](const study::Candidate& one) { return !keys.insert(one.key).second; });
     study::check_launcher(study);
     std::vector<RunSize> sizes;
+    sizes.reserve(candidates.size());
     for (const auto& one : candidates) sizes.push_back(run_size(study, one));
     const auto& middle = candidates[candidates.size() / 2];
     const auto folder = study_folder(study.path, out) / "plan";

@@ -51,7 +51,7 @@ void write_tables(const std::filesystem::path& folder, const study::Table& table
 }
 
 std::filesystem::path find_study(const std::filesystem::path& name) {
-    const auto path = std::filesystem::is_directory(name) ? name / "study.yaml" : name;
+    auto path = std::filesystem::is_directory(name) ? name / "study.yaml" : name;
     if (std::filesystem::exists(path)) return path;
     throw InputError({path.string(), "there is no such file", "a study is a YAML file, or a folder with study.yaml",
         "`treacle schema --study` describes it"});

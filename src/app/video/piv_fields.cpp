@@ -30,7 +30,10 @@ struct Grid {
         : columns(std::size_t(r.width / r.step * (1 + 1e-9)) + 1),
           rows(std::size_t(r.height / r.step * (1 + 1e-9)) + 1), step(r.step) {}
     double x(std::size_t i) const { return double(i % columns) * step; }
-    double y(std::size_t i) const { return double(i / columns) * step; }
+    double y(std::size_t i) const {
+        const std::size_t row = i / columns;
+        return double(row) * step;
+    }
     std::size_t size() const { return columns * rows; }
 };
 

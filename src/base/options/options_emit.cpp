@@ -51,17 +51,20 @@ public:
     void texts(const std::string& key, std::vector<std::string>& value, const std::string&,
         const std::vector<std::string>&) override {
         std::vector<std::string> words;
+        words.reserve(value.size());
         for (const auto& word : value) words.push_back(in_quotes(word));
         line(key, "[" + join(words, ", ") + "]");
     }
     void numbers(const std::string& key, std::vector<double>& value, const Unit& unit, const Range&,
         const std::string&) override {
         std::vector<std::string> parts;
+        parts.reserve(value.size());
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
         line(key, "[" + join(parts, ", ") + "]");
     }
     void vec3(const std::string& key, Vec3& value, const Unit& unit, const std::string&, VectorKind kind) override {
         std::vector<std::string> parts;
+        parts.reserve(value.size());
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
         if (plane_vectors() && kind == VectorKind::in_plane) parts.pop_back();
         line(key, "[" + join(parts, ", ") + "]");

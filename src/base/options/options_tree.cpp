@@ -51,6 +51,7 @@ public:
         const std::string& doc) override {
         auto& entry = add(key, Kind::numbers, doc);
         std::vector<std::string> parts;
+        parts.reserve(value.size());
         for (const double x : value) parts.push_back(with_unit(format_number(x), unit));
         entry.default_text = "[" + join(parts, ", ") + "]";
         entry.unit = unit;

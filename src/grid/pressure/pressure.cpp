@@ -108,8 +108,7 @@ solve::SolveReport Pressure::solve(std::span<double> b, std::span<double> x) {
     // The second projection of a step need not be more accurate than the first.
     least_residual_ = std::max(least_residual_, options_.residual * std::sqrt(comm_.sum(norm)));
     std::fill(x.begin(), x.end(), 0.0);
-    const auto report =
-        solver_.solve(*matrix_, b, x, solve::ConvergenceTest::residual(options_.residual, least_residual_));
+    auto report = solver_.solve(*matrix_, b, x, solve::ConvergenceTest::residual(options_.residual, least_residual_));
     if (report.converged()) return report;
     throw SimulationError({"pressure solve", report.reason,
         "after " + std::to_string(report.iterations) + " iterations on " + std::to_string(system_.global_rows()) +

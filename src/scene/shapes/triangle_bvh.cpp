@@ -70,9 +70,14 @@ double hit_distance(const Triangle& t, const Vec3& origin, const Vec3& direction
     return dot(e2, q) / determinant;
 }
 
+// `inverse`: of the direction, 0 where that is.
 bool ray_meets(const Bounds& box, const Vec3& origin, const Vec3& inverse, double limit) {
     double near = 0, far = limit;
     for (int a = 0; a < 3; ++a) {
+        if (inverse[a] == 0) {
+            if (origin[a] < box.min[a] || origin[a] > box.max[a]) return false;
+            continue;
+        }
         const double t0 = (box.min[a] - origin[a]) * inverse[a], t1 = (box.max[a] - origin[a]) * inverse[a];
         near = std::max(near, std::min(t0, t1));
         far = std::min(far, std::max(t0, t1));
@@ -210,7 +215,10 @@ double TriangleBvh::winding(const Vec3& x) const {
 }
 
 double TriangleBvh::first_hit(const Vec3& origin, const Vec3& direction, double skip) const {
-    const Vec3 inverse{1 / direction[0], 1 / direction[1], 1 / direction[2]};
+    Vec3 inverse{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (direction[a] != 0) inverse[a] = 1 / direction[a];
+    }
     std::array<int, stack_size> stack;
     int depth = 0;
     double best = Bounds::infinite;

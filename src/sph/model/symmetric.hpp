@@ -54,6 +54,14 @@ KOKKOS_INLINE_FUNCTION void write_symmetric(const Symmetric& a, const View& to, 
     to(i, 5) = static_cast<Value>(a.yz);
 }
 
+// Tangent of the rotation that makes the element zero, by the difference of the diagonal's and twice the element.
+KOKKOS_INLINE_FUNCTION double rotation_tangent(double difference, double twice) {
+    constexpr double far = 1e100; // beyond it the square below might overflow
+    if (math::fabs(difference) > far * math::fabs(twice)) return 0.5 * twice / difference;
+    const double theta = difference / twice;
+    return (theta < 0 ? -1 : 1) / (math::fabs(theta) + math::sqrt(theta * theta + 1));
+}
+
 // Eigenvalues and eigenvectors (columns) of a symmetric matrix by cyclic Jacobi rotations (Golub & Van Loan, 8.5).
 struct Eigen3 {
     double value[3];     // in no order
@@ -67,9 +75,8 @@ KOKKOS_INLINE_FUNCTION Eigen3 eigen(const Symmetric& s) {
         for (int p = 0; p < 2; ++p) {
             for (int q = p + 1; q < 3; ++q) {
                 if (a[p][q] == 0) continue;
-                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-                const double root = math::fabs(theta) + math::sqrt(theta * theta + 1);
-                const double t = (theta < 0 ? -1 : 1) / root, c = 1 / math::sqrt(t * t + 1), sine = t * c;
+                const double t = rotation_tangent(a[q][q] - a[p][p], 2 * a[p][q]);
+                const double c = 1 / math::sqrt(t * t + 1), sine = t * c;
                 for (int k = 0; k < 3; ++k) {
                     const double kp = a[k][p], kq = a[k][q];
                     a[k][p] = c * kp - sine * kq;

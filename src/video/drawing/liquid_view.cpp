@@ -24,6 +24,7 @@ double spline(double s) {
 std::vector<Sphere> corners_of(const Camera& camera, const LiquidScene& scene) {
     const auto& box = scene.domain;
     std::vector<Sphere> corners;
+    corners.reserve(8);
     for (int i = 0; i < 8; ++i)
         corners.push_back({single(camera.to_camera({(i & 1) ? box.max[0] : box.min[0],
                                (i & 2) ? box.max[1] : box.min[1], (i & 4) ? box.max[2] : box.min[2]})),

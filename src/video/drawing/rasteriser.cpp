@@ -271,7 +271,8 @@ Image develop(const Canvas& canvas) {
                     sum = sum + canvas.light[std::size_t(row * samples + y) * canvas.width + column * samples + x];
             for (int k = 0; k < 3; ++k) {
                 const float v = std::clamp(sum[k] / (samples * samples), 0.0f, 1.0f);
-                image.pixels[3 * (std::size_t(row) * image.width + column) + k] = codes[std::size_t(v * 65535 + 0.5f)];
+                image.pixels[3 * (std::size_t(row) * image.width + column) + k] =
+                    codes[std::size_t(std::lround(v * 65535))];
             }
         }
     return image;

@@ -44,7 +44,7 @@ struct ScreenPoint {
 
 // The rays of a measured camera through the centres of its pixels.
 struct LensRays {
-    explicit LensRays(const scene::CameraModel& model);
+    explicit LensRays(const scene::CameraModel& camera);
 
     scene::CameraModel model; // the one that the rays are of
     std::vector<float> x, y;  // [height][width] X/Z and Y/Z in camera axes

@@ -54,6 +54,7 @@ double oddness(double value, const std::vector<Neighbour>& neighbours, double no
     const double by_column = slope(neighbours, &Neighbour::column, &Neighbour::row),
                  by_row = slope(neighbours, &Neighbour::row, &Neighbour::column);
     std::vector<double> around;
+    around.reserve(neighbours.size());
     for (const auto& one : neighbours)
         around.push_back(one.value - double(one.column) * by_column - double(one.row) * by_row);
     auto work = around;

@@ -29,6 +29,6 @@ struct OutlineFit {
 // s, L, g and m by restricted likelihood (Patterson & Thompson 1971), which allows for what the fit takes out of the
 // residuals. L, g and m are averaged over a grid by their likelihood, so that the covariance of the change counts that they
 // are not known; 0.15 pixel that an edge shares is added, as the fit takes it up. `prior` is the information on x, of mean `mean`.
-OutlineFit fit_outline(const std::vector<OutlineEquation>& equations, const PoseMatrix& prior, const PoseVector& mean);
+OutlineFit fit_outline(const std::vector<OutlineEquation>& all, const PoseMatrix& prior, const PoseVector& mean);
 
 } // namespace treacle::video

@@ -91,6 +91,7 @@ double median(std::vector<double> values) {
 // Robust deviation about zero.
 double spread_of(const std::vector<Match>& matches) {
     std::vector<double> sizes;
+    sizes.reserve(matches.size());
     for (const auto& match : matches) sizes.push_back(std::abs(match.displacement));
     return std::max(floor_noise, 1.4826 * median(sizes));
 }

@@ -92,6 +92,7 @@ double deviation_of(const CameraRecord& record, const std::vector<PlanePixel>& p
     const auto camera = record.model();
     const auto all = [&](const scene::CameraModel& from) {
         std::vector<Vec3> out;
+        out.reserve(pixels.size());
         for (const auto& pixel : pixels) out.push_back(point_of(from, pixel, {0, 0}));
         return out;
     };
@@ -125,6 +126,7 @@ double deviation_of(const CameraRecord& record, const std::vector<PlanePixel>& p
 std::vector<Vec3> points_of(const CameraRecord& camera, const std::vector<PlanePixel>& pixels) {
     const auto model = camera.model();
     std::vector<Vec3> out;
+    out.reserve(pixels.size());
     for (const auto& pixel : pixels) out.push_back(point_of(model, pixel, {0, 0}));
     return out;
 }

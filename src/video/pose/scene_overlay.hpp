@@ -29,6 +29,6 @@ struct SceneOverlay {
 Image draw_overlay(const CameraRecord& camera, const std::filesystem::path& frame, const SceneOverlay& overlay);
 
 // The board as it was found in a picture, with its axes from the first point.
-Image draw_board_axes(const std::filesystem::path& picture, const Board& board, const BoardView& view);
+Image draw_board_axes(const std::filesystem::path& path, const Board& board, const BoardView& view);
 
 } // namespace treacle::video

@@ -72,7 +72,8 @@ struct Survey {
         first_blocks = before_blocks = blocks_of(image);
         std::size_t white = 0;
         for (std::size_t i = 1; i < image.pixels.size(); i += 3) white += image.pixels[i] >= 252 ? 1 : 0;
-        check.clipped = double(white) / double(image.pixels.size() / 3);
+        const std::size_t pixels = image.pixels.size() / 3;
+        check.clipped = double(white) / double(pixels);
         steps.push_back(0);
         gains.push_back(1);
     }

@@ -105,19 +105,19 @@ CleaningReport clean_mask(Mask& mask, const SilhouetteSettings& settings, const 
     return report;
 }
 
-Mask draw_polygon(const std::string& text, int width, int height, const std::string& where) {
+Mask draw_polygon(const std::string& corners, int width, int height, const std::string& where) {
     std::vector<double> x, y;
-    std::istringstream words(text);
+    std::istringstream words(corners);
     for (std::string word; words >> word;) {
         const auto comma = word.find(',');
         const auto u = read_number(std::string_view(word).substr(0, comma));
         const auto v =
             comma == std::string::npos ? std::nullopt : read_number(std::string_view(word).substr(comma + 1));
-        if (!u || !v) throw no_polygon(text, where);
+        if (!u || !v) throw no_polygon(corners, where);
         x.push_back(*u);
         y.push_back(*v);
     }
-    if (x.size() < 3) throw no_polygon(text, where);
+    if (x.size() < 3) throw no_polygon(corners, where);
     Mask mask{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height), mask_background)};
     for (int row = 0; row < height; ++row) {
         std::vector<double> crossings;

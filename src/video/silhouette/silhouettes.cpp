@@ -247,19 +247,19 @@ std::optional<FrameSilhouette> SilhouetteMaker::next(TimedFrame& frame) {
 
 const std::vector<std::string>& SilhouetteMaker::notes() const { return state_->notes; }
 
-std::optional<MotionStart> find_motion_start(const std::vector<FrameSilhouette>& all) {
-    if (all.size() < 2) return std::nullopt;
+std::optional<MotionStart> find_motion_start(const std::vector<FrameSilhouette>& silhouettes) {
+    if (silhouettes.size() < 2) return std::nullopt;
     // A contour at rest flickers by a few hundredths of a pixel; a speck is no motion.
-    const double moving = std::max(40.0, 0.2 * double(all.front().perimeter)), still = moving / 4;
-    for (std::size_t k = 1; k < all.size(); ++k) {
-        if (double(all[k].moved) <= moving) continue;
-        if (k + 1 < all.size() && double(all[k + 1].moved) <= moving) continue; // a flash
+    const double moving = std::max(40.0, 0.2 * double(silhouettes.front().perimeter)), still = moving / 4;
+    for (std::size_t k = 1; k < silhouettes.size(); ++k) {
+        if (double(silhouettes[k].moved) <= moving) continue;
+        if (k + 1 < silhouettes.size() && double(silhouettes[k + 1].moved) <= moving) continue; // a flash
         std::size_t last = k - 1;
-        while (last > 0 && double(all[last].moved) > still) --last;
+        while (last > 0 && double(silhouettes[last].moved) > still) --last;
         MotionStart start;
-        start.frame = all[k].index;
-        start.time = 0.5 * (all[last].time + all[k].time);
-        start.uncertainty = 0.5 * (all[k].time - all[last].time);
+        start.frame = silhouettes[k].index;
+        start.time = 0.5 * (silhouettes[last].time + silhouettes[k].time);
+        start.uncertainty = 0.5 * (silhouettes[k].time - silhouettes[last].time);
         return start;
     }
     return std::nullopt;
