@@ -20,7 +20,7 @@ protected:
     LaneTask task(std::int64_t number, const std::string& script) const {
         const auto folder = folder_.path() / std::to_string(number);
         std::filesystem::create_directories(folder / "run");
-        return {number, folder, {"/bin/sh", "-c", "cd " + folder.string() + "; " + script}};
+        return {number, folder, {"/bin/sh", "-c", "cd " + folder.string() + "; " + script}, {}};
     }
     std::string content(const std::filesystem::path& path) const {
         std::ifstream in(path);

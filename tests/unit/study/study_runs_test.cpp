@@ -62,7 +62,7 @@ protected:
         std::ifstream in(out_ / "count");
         return std::size_t(std::count(std::istreambuf_iterator<char>(in), {}, '\n'));
     }
-    StudySetup setup() const { return {out_, program_}; }
+    StudySetup setup() const { return {out_, program_, {}}; }
 
     const test::OwnFolder folder_;
     const std::filesystem::path program_ = folder_.path() / "program", out_ = folder_.path() / "out";
@@ -199,7 +199,7 @@ TEST_F(StudyRunsTest, RunsOfAnotherStudyCount) {
         runs.run(ask(runs, {"1", "2"}));
     }
     study_.runs.reuse = {out_.string()};
-    StudyRuns runs(study_, {folder_.path() / "second", program_}, log_);
+    StudyRuns runs(study_, {folder_.path() / "second", program_, {}}, log_);
     const auto numbers = ask(runs, {"2", "9"});
     runs.run(numbers);
     EXPECT_EQ(runs.journal().outcome(1)->figures[0].value, 4);

@@ -121,8 +121,9 @@ TEST(LiquidView, CutBallIsADiscInTheFieldsColours) {
         for (const double x : {-0.5, 0.0, 0.5}) {
             const auto p = camera.project({radius * x, 0, radius * z});
             // A spline's mean of a linear field, near the rim of particles on one side: 6 % of the radius at most.
-            if (x * x + z * z < 0.9)
+            if (x * x + z * z < 0.9) {
                 EXPECT_LE(off_map(pixel(image, int(p.x), int(p.y)), 0.5 + 0.5 * z), 14) << x << " " << z;
+            }
         }
 }
 
