@@ -9,9 +9,9 @@ namespace {
 constexpr double aligned =
     1 - 1e-8; // cosine between the normal of a surface and an axis from which it is along the faces
 
-// Volume fractions: the most that a plane wall leaves of a cube whose middle is 0.4 of its width within it, or more; and
-// what is more than a plane leaves: round walls of four cells radius do where the middle is less than 0.02 within [1].
-constexpr double max_plane_fraction = 0.1, curved_excess = 1e-3;
+// By how much more a place a cell along the best of the axes lies within a plane wall, at least, in 2D and in 3D [cells]:
+// cos 45 degrees and 1/sqrt(3), less what walls of three cells radius lack.
+constexpr double plane_deepening[2] = {0.6, 0.45};
 
 // w = K wet / W_F^2 dx^3 / dx^2 of one stress; 0 where there is no liquid, or no room for it to slide.
 struct StressLoop {
@@ -51,15 +51,23 @@ struct RoleLoop {
     bool with_pressure;
     DistanceSampler no_slip;
 
-    // True where the middle of the face is in a solid, and the liquid beside it is more than a plane wall at that depth would
-    // leave: the solid has an edge there.
-    KOKKOS_INLINE_FUNCTION bool is_beside_edge(std::ptrdiff_t i, const int c[3]) const {
+    // True where the middle of the face is in a solid that is no plane wall there: it has an edge, or is thin.
+    KOKKOS_INLINE_FUNCTION bool is_in_edge(const int c[3]) const {
         if (no_slip.values.extent(0) == 0) return false;
+        const auto& nodes = no_slip.nodes;
         int node[3] = {0, 0, 0};
-        for (int k = 0; k < no_slip.nodes.dimensions; ++k) node[k] = 2 * c[k] + (k == axis ? 0 : 1);
-        const double distance = no_slip.values(no_slip.nodes.index(node[0], node[1], node[2]));
-        const double by_plane = math::max(0.5 + distance / (2 * no_slip.nodes.width), max_plane_fraction);
-        return no_slip.nodes.is_inside(distance) && fluid(i) > by_plane + curved_excess;
+        for (int k = 0; k < nodes.dimensions; ++k) node[k] = 2 * c[k] + (k == axis ? 0 : 1);
+        const double here = no_slip.values(nodes.index(node[0], node[1], node[2]));
+        if (!nodes.is_inside(here)) return false;
+        double deepest = here;
+        for (int k = 0; k < nodes.dimensions; ++k) {
+            for (int way = -2; way <= 2; way += 4) {
+                int beside[3] = {node[0], node[1], node[2]};
+                beside[k] += way;
+                deepest = math::min(deepest, no_slip.values(nodes.index(beside[0], beside[1], beside[2])));
+            }
+        }
+        return here - deepest < plane_deepening[nodes.dimensions - 2] * 2 * nodes.width;
     }
 
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
@@ -73,7 +81,7 @@ struct RoleLoop {
         const bool has_liquid = wet(i) > min_liquid_fraction;
         int role = inactive_face;
         if (has_liquid || stressed || push > 0)
-            role = fluid(i) < min_fluid_fraction || tight || is_beside_edge(i, c) ? prescribed_face : unknown_face;
+            role = fluid(i) < min_fluid_fraction || tight || is_in_edge(c) ? prescribed_face : unknown_face;
         const double solid = 1 - fluid(i);
         faces.role[axis](i) = role;
         faces.fraction.axis[axis](i) = role == unknown_face ? fluid(i) : 0.0;
