@@ -42,6 +42,10 @@ struct FineNodes {
     // True for a node in a solid, by its distance from the solids [m]; nodes in the surface are outside.
     KOKKOS_INLINE_FUNCTION bool is_inside(double solid) const { return solid <= -surface(); }
     KOKKOS_INLINE_FUNCTION int used() const { return dimensions == 2 ? 4 : 8; } // corners of a cell that count
+    // The node in the middle of the face across `axis` below cell c, which must lie in the window.
+    KOKKOS_INLINE_FUNCTION int face_middle(int axis, const int c[3]) const {
+        return per_cell * static_cast<int>(window.index(c[0], c[1], c[2])) + ((used() - 1) & ~(1 << axis));
+    }
 };
 
 // A distance given at fine nodes, anywhere in the window: trilinear between them; what lies outside of the window

@@ -118,9 +118,7 @@ struct TurnLoop {
             const double distance = solid.at(x, n);
             const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
             if (!(square > 1e-12)) continue; // in the middle of a solid
-            // The fine node in the middle of the face.
-            const int all = faces.dimensions == 2 ? 3 : 7;
-            const int nearest = number(FineNodes::per_cell * at + (all & ~(1 << a)));
+            const int nearest = number(solid.nodes.face_middle(a, c));
             motion.velocity(nearest, x, v, sticks(nearest));
             from.velocity(x, u);
             const double steep = 1 / math::sqrt(square);

@@ -55,16 +55,14 @@ struct RoleLoop {
     KOKKOS_INLINE_FUNCTION bool is_in_edge(const int c[3]) const {
         if (no_slip.values.extent(0) == 0) return false;
         const auto& nodes = no_slip.nodes;
-        int node[3] = {0, 0, 0};
-        for (int k = 0; k < nodes.dimensions; ++k) node[k] = 2 * c[k] + (k == axis ? 0 : 1);
-        const double here = no_slip.values(nodes.index(node[0], node[1], node[2]));
+        const double here = no_slip.values(nodes.face_middle(axis, c));
         if (!nodes.is_inside(here)) return false;
         double deepest = here;
         for (int k = 0; k < nodes.dimensions; ++k) {
-            for (int way = -2; way <= 2; way += 4) {
-                int beside[3] = {node[0], node[1], node[2]};
+            for (int way = -1; way <= 1; way += 2) {
+                int beside[3] = {c[0], c[1], c[2]};
                 beside[k] += way;
-                deepest = math::min(deepest, no_slip.values(nodes.index(beside[0], beside[1], beside[2])));
+                deepest = math::min(deepest, no_slip.values(nodes.face_middle(axis, beside)));
             }
         }
         return here - deepest < plane_deepening[nodes.dimensions - 2] * 2 * nodes.width;

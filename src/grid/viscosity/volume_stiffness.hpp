@@ -58,7 +58,7 @@ public:
 
 private:
     VolumeStiffness stiffness_;
-    Array<int> by_body_{"treacle::by_body", 0}; // [rows] 1 where a moving body contributes to the flux
+    Array<int> by_body_{"treacle::by_body", 0}; // [rows] 1 where a dynamic body contributes to the flux
     Array<double> by_row_{"treacle::pressure_by_flux", 0}, stiffness_by_row_{"treacle::stiffness_by_flux", 0};
 };
 

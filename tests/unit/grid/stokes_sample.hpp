@@ -42,7 +42,7 @@ public:
     void build(double dt) {
         auto& problem = viscosity.problem();
         pressed_ = pressure.describe(scene());
-        problem.update_faces(viscous_scene(), bodies, dt);
+        problem.update_faces(viscous_scene(&pressed_), bodies, dt);
         close_prescribed_faces(problem.viscous_faces(), fractions.open, open);
         auto closed = scene();
         closed.open = &open;
@@ -54,7 +54,7 @@ public:
     }
     StokesReport solve_together(double dt) {
         auto& problem = viscosity.problem();
-        const auto viscous = viscous_scene();
+        const auto viscous = viscous_scene(&pressed_);
         auto report = stokes.solve({pressure, problem, viscous, dt}, velocity, bodies);
         gather_faces(grid, halo, velocity);
         return report;
@@ -124,17 +124,6 @@ private:
     PressureContext scene() {
         return {grid, halo, distance, fractions, sample.solid_slips ? all_body_fractions : body_fractions, bodies,
             sample.density, sample.surface_tension, nullptr, nullptr, {}};
-    }
-    ViscousScene viscous_scene() {
-        return {.grid = grid,
-            .halo = halo,
-            .fractions = fractions,
-            .body_fractions = body_fractions,
-            .viscosity = viscosities,
-            .density = sample.density,
-            .slip = sample.solid_slips ? &slip : nullptr,
-            .pressure_faces = &pressed_,
-            .no_slip = no_slip};
     }
 
     PressureFaces pressed_;

@@ -59,16 +59,19 @@ public:
         if (sample.solid_slips) fill_slip();
     }
 
-    ViscosityReport solve(double dt) {
-        return viscosity.solve({.grid = grid,
-                                   .halo = halo,
-                                   .fractions = fractions,
-                                   .body_fractions = body_fractions,
-                                   .viscosity = viscosities,
-                                   .density = sample_.density,
-                                   .slip = sample_.solid_slips ? &slip : nullptr,
-                                   .no_slip = no_slip},
-            velocity, bodies, dt);
+    ViscosityReport solve(double dt) { return viscosity.solve(viscous_scene(), velocity, bodies, dt); }
+
+    // Of the viscosity alone, or with the pressures of the same solve.
+    ViscousScene viscous_scene(const PressureFaces* pressure_faces = nullptr) {
+        return {.grid = grid,
+            .halo = halo,
+            .fractions = fractions,
+            .body_fractions = body_fractions,
+            .viscosity = viscosities,
+            .density = sample_.density,
+            .slip = sample_.solid_slips ? &slip : nullptr,
+            .pressure_faces = pressure_faces,
+            .no_slip = no_slip};
     }
 
     void set_velocity(const std::function<double(int, const Vec3&)>& u) {

@@ -34,8 +34,8 @@ struct ViscousLoop {
     Fluid fluid;
     ViscousWalls walls;
     Array<float> weights; // V0 |W'|/r of each pair in the list [1/m2]
-    // Of the forms with gradients, over the no-slip solids: w beta x and, in the last column, w beta^2. That is all that
-    // solids at rest put into a product, none of which goes through them again then.
+    // Sums over the no-slip solids of w beta x and, in the last column, w beta^2, for the forms with gradients: all that
+    // solids at rest put into a product. None goes through them again then.
     Array4 wall_sums;
 
     // visit(w, j, dx, dy, dz, r2) for the liquid particles around i.
@@ -89,7 +89,7 @@ struct ViscousLoop {
             for (int k = 0; k < 3; ++k) sum[k] += force[k];
         });
     }
-    // Of the forms with gradients: to N, the sum of w (u_i - u_j) x^T, and to C u.
+    // Sums for the forms with gradients: of w (u_i - u_j) x^T, added to N, and to C u.
     KOKKOS_INLINE_FUNCTION void add_wall_gradients(int i, const double u[3], double n[3][3]) const {
         if (walls.pairs.count(i) == 0) return;
         if (walls.resting) {
