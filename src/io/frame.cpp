@@ -114,6 +114,7 @@ void FrameWriter::resume(double time) {
         for (const auto& entry : kept) names += entry.file + '\n';
     });
     std::vector<double> times;
+    times.reserve(kept.size());
     for (const auto& entry : kept) times.push_back(entry.time);
     times = s.comm.all_gather(times); // rank 0 alone has any
     names = s.comm.broadcast(names);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace treacle::scene {
@@ -53,7 +54,7 @@ std::string row(std::string_view name, const std::array<std::string, 4>& numbers
     return start.data() + std::string(source) + "\n";
 }
 
-std::string whole(double value) { return std::to_string(static_cast<int>(value + 0.5)); }
+std::string whole(double value) { return std::to_string(std::lround(value)); }
 
 } // namespace
 

@@ -105,10 +105,10 @@ std::string text_of(const Extrapolation& out, double deviation, std::size_t rung
 }
 } // namespace
 
-Extrapolation extrapolate(std::span<const Rung> given, const RungNoise& noise) {
-    const auto rungs = ordered(given);
-    const auto models = models_of(rungs, noise);
-    const double finest = rungs.front().spacing / rungs.back().spacing;
+Extrapolation extrapolate(std::span<const Rung> rungs, const RungNoise& noise) {
+    const auto sorted = ordered(rungs);
+    const auto models = models_of(sorted, noise);
+    const double finest = sorted.front().spacing / sorted.back().spacing;
     Extrapolation out;
     double square = 0, orders_square = 0, noises = 0;
     for (const auto& model : models) {
@@ -118,12 +118,12 @@ Extrapolation extrapolate(std::span<const Rung> given, const RungNoise& noise) {
         orders_square += model.evidence * model.order * model.order;
         noises += model.evidence * model.noise * model.noise;
     }
-    out.value = rungs.front().value + out.correction;
+    out.value = sorted.front().value + out.correction;
     out.deviation = std::sqrt(std::max(0.0, square - out.correction * out.correction));
     out.noise = noise.deviation > 0
-                    ? std::min(out.deviation, std::sqrt(noises / rungs.front().runs) * std::pow(finest, noise_order))
+                    ? std::min(out.deviation, std::sqrt(noises / sorted.front().runs) * std::pow(finest, noise_order))
                     : 0;
-    out.text = text_of(out, std::sqrt(std::max(0.0, orders_square - out.order * out.order)), rungs.size());
+    out.text = text_of(out, std::sqrt(std::max(0.0, orders_square - out.order * out.order)), sorted.size());
     return out;
 }
 

@@ -57,8 +57,8 @@ public:
     // Collective, before the first step, with `recovery: positions`: moves liquid that has been seeded too close to solids away.
     void spread(int times);
     void start(SolidVolumes volumes = SolidVolumes::compute);
-    // As start, with the decomposition of a checkpoint of the same number of ranks.
-    void restore(std::span<const std::int64_t> decomposition);
+    // As start, with the decomposition's state of a checkpoint of the same number of ranks.
+    void restore(std::span<const std::int64_t> state);
     // The bodies as a checkpoint has them; before start() or restore().
     void restore_bodies(std::span<const double> state) { bodies_.rigid.restore(state); }
     std::vector<std::int64_t> decomposition_state() const;

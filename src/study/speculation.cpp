@@ -7,7 +7,8 @@
 namespace treacle::study {
 
 void Speculation::offer(std::vector<Candidate> candidates) {
-    for (auto& [number, run] : running_) {
+    for (auto& running : running_) {
+        auto& run = running.second;
         run.offered = std::ranges::any_of(candidates, [&](const Candidate& one) { return one.key == run.key; });
     }
     offered_.assign(std::make_move_iterator(candidates.begin()), std::make_move_iterator(candidates.end()));
@@ -50,7 +51,8 @@ std::optional<std::int64_t> Speculation::least_wanted() const {
 }
 
 bool Speculation::claim(const std::string& key) {
-    for (auto& [number, run] : running_) {
+    for (auto& running : running_) {
+        auto& run = running.second;
         if (run.key == key) return run.claimed = true;
     }
     return false;

@@ -37,9 +37,9 @@ std::string reason_of(const LaneResult& result, const RunOptions& options, const
     case LaneEnd::memory: return "held more than " + format_bytes(std::uint64_t(options.memory * 1e9)) + " of memory";
     default: break;
     }
-    const auto told = read_failure(folder);
+    auto told = read_failure(folder);
     if (!told.empty()) return told;
-    const auto words = last_words(folder / "log.txt");
+    auto words = last_words(folder / "log.txt");
     if (result.ending.signal == 0 && !words.empty()) return words;
     return describe(result.ending) + (words.empty() ? "" : ", last: " + words);
 }

@@ -201,7 +201,7 @@ std::vector<double> ViscousProblem::push(
         for (std::size_t k = 0; k < others.size(); ++k) loads[k] += others[k];
         q = bodies_.answer(loads, dt_);
     }
-    const auto loads = bodies_.loads(comm_, u, bodies_.moved(before_, q));
+    auto loads = bodies_.loads(comm_, u, bodies_.moved(before_, q));
     auto all = loads;
     for (std::size_t k = 0; k < others.size(); ++k) all[k] += others[k];
     bodies.push(all, dt_);

@@ -70,7 +70,7 @@ private:
     solve::BorderedBodies border() const;
     void describe_rows(const MacGrid& grid);
     void make_matrix();
-    void couple(std::span<const double> x, std::span<double> y);
+    void couple(std::span<const double> from, std::span<double> to);
     std::vector<double> push(std::span<const double> x, std::span<const double> others, rigid::RigidBodies& bodies);
 
     Comm comm_;

@@ -24,6 +24,7 @@ Wanted runs_around(
     const auto p = std::size_t(estimate.point.size());
     if (p > 1) {
         std::vector<Eigen::VectorXd> points;
+        points.reserve(good.size());
         for (const auto& run : good) points.push_back(run.point);
         for (const auto& point : points_to_span(estimate.point, points, axes))
             out.push_back({point, {"around the answer"}});

@@ -125,6 +125,7 @@ Wanted expected_runs(const StudyFile& file, const Priors& priors, const Trials& 
 std::vector<std::vector<double>> residuals_of(
     const std::vector<std::optional<EvaluatedRun>>& runs, const Priors& priors) {
     std::vector<std::vector<double>> out;
+    out.reserve(runs.size());
     for (const auto& run : runs) out.push_back(run ? search_residuals(*run, priors) : std::vector<double>());
     return out;
 }

@@ -134,6 +134,7 @@ std::vector<ComparedVector> read_vectors(const std::filesystem::path& folder, co
         return out; // of another study that did not keep them
     const auto table = read_csv(vector_file(folder, experiment));
     std::vector<const std::vector<double>*> c;
+    c.reserve(vector_columns.size());
     for (const auto& name : vector_columns) c.push_back(&table.column(name));
     for (std::size_t i = 0; i < table.rows(); ++i) {
         out.push_back({int((*c[0])[i]), {(*c[1])[i], (*c[2])[i], (*c[3])[i], (*c[4])[i]}, (*c[5])[i], (*c[6])[i]});

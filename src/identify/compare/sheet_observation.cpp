@@ -106,6 +106,7 @@ ObservedSheet observe_sheet(const Experiment& experiment, const Beside& beside, 
     auto fields = read_fields(sheet, beside);
     const auto times = times_of(sheet, beside, fields.size());
     std::vector<std::size_t> valid;
+    valid.reserve(fields.size());
     for (const auto& field : fields) valid.push_back(field.count_valid());
     const auto outliers = mark_outliers(sheet, fields, times);
     std::vector<scene::SolidRegion> mask;

@@ -62,6 +62,7 @@ ResolvedAnswer extrapolate_answers(
     for (Eigen::Index k = 0; k < p; ++k) {
         const Vector way = turn.col(k);
         std::vector<search::Rung> rungs;
+        rungs.reserve(answers.size());
         for (const auto& answer : answers) rungs.push_back({answer.spacing, way.dot(answer.value), answer.runs});
         out.axes.push_back(
             search::extrapolate(rungs, {std::sqrt(way.dot(spread * way)), int(p) * std::max(1, freedom)}));

@@ -129,6 +129,7 @@ std::vector<double> beyond_contours(const EvaluatedRun& run) {
 
 const EvaluatedRun& least_of(const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors) {
     std::vector<double> objectives;
+    objectives.reserve(runs.size());
     for (const auto& run : runs) objectives.push_back(residual_objective(run, priors));
     return runs[std::size_t(std::ranges::min_element(objectives) - objectives.begin())];
 }

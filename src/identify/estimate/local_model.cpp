@@ -16,6 +16,7 @@ constexpr double cutoff = 0.3, farthest = 0.7;
 std::vector<const EvaluatedRun*> runs_near(const std::vector<EvaluatedRun>& runs, const Vector& centre) {
     const std::size_t p = std::size_t(centre.size()), wanted = p == 1 ? 5 : p + 3;
     std::vector<std::pair<double, const EvaluatedRun*>> order;
+    order.reserve(runs.size());
     for (const auto& run : runs) order.emplace_back((run.point - centre).norm(), &run);
     std::ranges::stable_sort(order, {}, &std::pair<double, const EvaluatedRun*>::first);
     std::vector<const EvaluatedRun*> out;

@@ -88,9 +88,8 @@ std::optional<ClipScatter> between_clips(const std::vector<EvaluatedRun>& runs,
     if (runs.empty()) return {};
     std::vector<std::size_t> different = set_up;
     std::ranges::sort(different);
-    const auto again = std::ranges::unique(different);
-    if (again.empty()) return {};
-    different.erase(again.begin(), again.end());
+    different.erase(std::unique(different.begin(), different.end()), different.end());
+    if (different.size() == set_up.size()) return {};
     if (runs.front().point.size() > 1 && different.size() > 1) return {};
     try {
         return scatter_of(runs, priors, set_up);

@@ -34,6 +34,7 @@ std::vector<double> robust_scales(const Vector& residuals, const Layout& layout,
             std::abs(residuals[Eigen::Index(i)]), telling[Eigen::Index(i)]);
     }
     std::vector<double> out;
+    out.reserve(sizes.size());
     for (auto& one : sizes) out.push_back(std::max(least_noise, 1.4826 * weighted_median(std::move(one))));
     if (pooled) out.resize(layout.experiments, out.front());
     return out;

@@ -37,6 +37,7 @@ const std::vector<double>& column_of(
 
 std::string list(const std::vector<double>& values) {
     std::vector<std::string> words;
+    words.reserve(values.size());
     for (const double value : values) words.push_back(digits(value, 3));
     return "[" + join(words, ", ") + "]";
 }

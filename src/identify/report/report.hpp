@@ -27,8 +27,8 @@ void write_report(const std::filesystem::path& folder, const StudyFile& file, co
 std::vector<std::string> answer_lines(const StudyFile& file, const Identification& identification);
 
 inline constexpr const char* well_determined = "well determined";
-// Identifiability of a parameter by the films: `well_determined`, or why not, in words.
-std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t parameter);
+// Identifiability of parameter k by the films: `well_determined`, or why not, in words.
+std::string identifiability(const StudyFile& file, const Identification& identification, std::size_t k);
 
 // Pairs of parameters that trade with each other, a sentence each. May be empty.
 std::vector<std::string> trade_lines(const StudyFile& file, const Identification& identification);

@@ -88,6 +88,7 @@ std::vector<ReportPicture> write_field_pictures(
         box.add(one);
     }
     std::vector<int> numbers;
+    numbers.reserve(fields.size());
     for (const auto& [number, list] : fields) numbers.push_back(number);
     std::vector<ReportPicture> out;
     const auto count = std::min(most_fields, numbers.size());

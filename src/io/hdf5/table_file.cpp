@@ -25,6 +25,7 @@ void write_texts(hid_t file, const std::string& name, const std::vector<std::str
     check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
     check(H5Tset_cset(type, H5T_CSET_UTF8), "make a text type");
     std::vector<const char*> pointers;
+    pointers.reserve(texts.size());
     for (const auto& text : texts) pointers.push_back(text.c_str());
     write_column(file, name, type, texts.size(), pointers.data());
 }

@@ -190,7 +190,7 @@ void pose_mesh(CheckedMesh& checked, const Shape& shape, const ShapePose& outer_
 }
 
 SurfacePointer surface_of(const CheckedMesh& checked, int dimensions) {
-    const SurfacePointer body = make_mesh(checked.mesh, checked.report);
+    SurfacePointer body = make_mesh(checked.mesh, checked.report);
     if (dimensions == 3) return body;
     const auto pieces = slice(checked.mesh);
     if (pieces.empty()) throw Nowhere{};

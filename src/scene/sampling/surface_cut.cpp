@@ -149,6 +149,7 @@ Vec3 outward(const Piece& p) {
 
 std::vector<Triangle> as_triangles(const std::vector<Piece>& pieces) {
     std::vector<Triangle> result;
+    result.reserve(pieces.size());
     for (const Piece& p : pieces) result.push_back({p.from, p.to, p.to});
     return result;
 }

@@ -41,7 +41,7 @@ private:
         double radius = 0;        // of the sphere around centre that holds the triangles
         int first = 0, count = 0; // leaf: triangles; else count = 0 and the children are at first, first + 1
     };
-    void build(int node, int first, int count);
+    void build(int index, int first, int count);
     void measure(Node& node, int first, int count) const;
 
     std::vector<Triangle> triangles_; // in the order of the leaves

@@ -16,7 +16,7 @@ struct CmaConstants {
     double chi = 1;                  // expected length of a standard normal vector
 
     // lambda 0: 4 + floor(3 ln n), but 8 in one dimension. Without `active` the weights of the worse half are 0.
-    static CmaConstants standard(std::size_t n, std::size_t lambda, bool active);
+    static CmaConstants standard(std::size_t dimensions, std::size_t population, bool active);
     static std::size_t standard_population(std::size_t n); // 4 + floor(3 ln n); 8 for n = 1
 };
 

@@ -52,7 +52,7 @@ private:
     Task<Value> value_at(Point x);
     void go_to(const Point& x, Value f);
     bool matters(const std::vector<double>& direction, double length) const;
-    double difference(std::size_t axis) const;
+    double difference(std::size_t i) const;
     std::vector<Point> around(const Point& x) const; // below and above along each axis
 
     GradientOptions options_;

@@ -19,7 +19,7 @@ public:
     explicit Swarm(std::vector<Axis> axes, SwarmOptions options = {});
 
     // A place that is worse than the particle's best changes nothing.
-    double cut(std::size_t particle) const override;
+    double cut(std::size_t k) const override;
     Point spread() const override; // deviation of the particles' best places from the best of all
     const char* name() const override { return "swarm"; }
 
@@ -35,7 +35,7 @@ private:
     };
     void begin();
     void move(std::uint32_t generation);
-    std::size_t leader(std::size_t particle) const; // the best of it and its neighbours
+    std::size_t leader(std::size_t k) const; // the best of k and its neighbours
     bool has_converged();
 
     SwarmOptions options_;

@@ -29,7 +29,7 @@ struct CsrBlocks {
 };
 
 // Throws std::logic_error, naming the row, when the pattern breaks the rules above. Local.
-void check_pattern(const CsrBlocks& blocks);
+void check_pattern(const CsrBlocks& given);
 
 // A square distributed matrix around the caller's arrays, without a copy: a value changed there is
 // changed here. Making one costs nothing; PETSc's own, of which preconditioners of PETSc and HYPRE are made, comes
@@ -37,7 +37,7 @@ void check_pattern(const CsrBlocks& blocks);
 class Matrix {
 public:
     // Debug builds check the pattern first, collectively.
-    Matrix(const Comm& comm, const CsrBlocks& blocks);
+    Matrix(const Comm& comm, const CsrBlocks& given);
     ~Matrix();
     Matrix(Matrix&&) noexcept;
     Matrix& operator=(Matrix&&) noexcept;

@@ -21,8 +21,8 @@ public:
     // Collective: writes to the field `response` what the term is with the pressures of the field `pressure`.
     void apply_to_pressure(const Comm& comm, LiquidParticles& liquid) const;
 
-    // Collective: out = term x, both [owned], x as pressures [Pa].
-    void apply(const Comm& comm, int owned, const Array<double>& x, const Array<double>& out) const;
+    // Collective: response = term x, both [owned], x as pressures [Pa].
+    void apply(const Comm& comm, int owned, const Array<double>& x, const Array<double>& response) const;
 
     // y += term x on the rows of the system; collective. Valid until the next build().
     using Addition = std::function<void(std::span<const double> x, std::span<double> y)>;

@@ -139,10 +139,12 @@ const Array<double>& SurfaceCurvature::curvature(const LiquidParticles& liquid) 
 }
 
 void SurfaceCurvature::measure(const StepContext& parts) {
-    const auto& [options, c, comm, liquid, solid, neighbours, halo, cells, driven] = parts;
-    const auto fluid = make_views(c, liquid, solid, neighbours);
+    const auto& c = parts.constants;
+    auto& liquid = parts.liquid;
+    auto& halo = parts.halo;
+    const auto fluid = make_views(c, liquid, parts.solid, parts.neighbours);
     const auto& around = fluid.liquid;
-    with_kernel(options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
+    with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         last_normal_ = last_curvature_ = 0;
         Kokkos::parallel_for(

@@ -33,7 +33,7 @@ public:
     // Collective: changes the owned particles' velocities, u* before and u after a step of dt [s]. The ghosts' are left
     // stale. An unsuccessful solve is a report, with the last iterate. The bodies stay as they are, also those that the
     // solve moved: they come to the velocities of its solution by the loads.
-    Result solve(const ViscousScene& scene, const Bodies& bodies, double dt);
+    Result solve(const ViscousScene& step, const Bodies& bodies, double dt);
 
     // Matrix of the last solve; null where none is assembled.
     const solve::Matrix* matrix() { return matrix_ ? matrix_->matrix() : nullptr; }

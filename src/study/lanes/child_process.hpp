@@ -60,6 +60,6 @@ std::filesystem::path find_program(const std::string& name);
 std::string describe(const Ending& ending);
 
 // The names of environment variables that a child must not inherit: those of ranks of MPI and of Slurm's job steps.
-bool is_of_a_launcher(const std::string& variable);
+bool is_of_a_launcher(const std::string& name);
 
 } // namespace treacle::study

@@ -49,7 +49,7 @@ private:
     };
     explicit Journal(std::filesystem::path path) : path_(std::move(path)) {}
     std::string load(); // the lines that are whole
-    void read_line(const std::string& line, int number);
+    void read_line(const std::string& line, int count);
     void append(const std::string& line);
 
     std::filesystem::path path_;

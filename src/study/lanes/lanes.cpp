@@ -146,14 +146,14 @@ std::vector<LaneResult> Lanes::wait(double seconds) {
     }
 }
 
-std::vector<LaneResult> Lanes::stop(double timeout) {
+std::vector<LaneResult> Lanes::stop(double grace) {
     for (auto& run : running_) end(run, LaneEnd::stop);
     std::vector<LaneResult> out;
     const auto start = Clock::now();
     bool killed = false;
     while (!running_.empty()) {
         for (auto& one : collect()) out.push_back(std::move(one));
-        if (!killed && since(start) > timeout) {
+        if (!killed && since(start) > grace) {
             for (auto& run : running_) run.process->kill();
             killed = true;
         }

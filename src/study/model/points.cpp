@@ -26,6 +26,7 @@ std::vector<std::string> grid_values(const Parameter& parameter) {
             "give `values`, or a `range` and at least 2 `points`");
     }
     std::vector<std::string> out;
+    out.reserve(std::size_t(parameter.points));
     for (int i = 0; i < parameter.points; ++i)
         out.push_back(parameter.word(parameter.at(double(i) / (parameter.points - 1))));
     return out;

@@ -11,7 +11,7 @@ namespace treacle::study {
 // requested with. The others but `done` rank worst in a search. All but `done` are recorded with their reason.
 enum class RunStatus { done, stopped_early, failed, bad_input, out_of_memory, killed, timed_out, hung };
 std::string word(RunStatus status); // "timed out"
-std::optional<RunStatus> run_status(const std::string& word);
+std::optional<RunStatus> run_status(const std::string& text);
 bool is_failure(RunStatus status);
 
 // A cut that no objective is above.

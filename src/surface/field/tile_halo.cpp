@@ -1,5 +1,6 @@
 #include "surface/field/tile_halo.hpp"
 
+#include <cstdint>
 #include <cstring>
 
 namespace treacle::surface {
@@ -80,7 +81,7 @@ int TileHalo::connect(const Decomposition& decomposition, const CellBox& window,
         std::memcpy(&blocks.emplace_back(), message.bytes.data(), sizeof(CellBox));
         std::size_t k = sizeof(CellBox);
         for_each_tile(
-            blocks.back(), [&](int x, int y, int z) { code(x, y, z) = static_cast<signed char>(message.bytes[k++]); });
+            blocks.back(), [&](int x, int y, int z) { code(x, y, z) = static_cast<std::int8_t>(message.bytes[k++]); });
     }
     int slots = 0;
     for (int& c : codes) {

@@ -121,6 +121,7 @@ public:
             roots_[rank].push_back(sets.find(v));
         }
         std::vector<Message> messages;
+        messages.reserve(asked.size());
         for (const auto& [rank, keys] : asked) messages.push_back(pack(rank, keys));
         std::unordered_map<std::int64_t, int> rows;
         const auto arrived = exchange_sparse(comm, messages);
@@ -183,6 +184,7 @@ std::map<std::int64_t, std::int64_t> sum_volumes(const Comm& comm, const std::ma
         part.push_back(volume);
     }
     std::vector<Message> messages;
+    messages.reserve(parts.size());
     for (const auto& [rank, part] : parts) messages.push_back(pack(rank, part));
     const auto arrived = exchange_sparse(comm, messages);
     std::map<std::int64_t, std::int64_t> total;

@@ -89,6 +89,7 @@ void fit(Calibration& calibration) {
     const auto points = board_points(calibration.board);
     const auto used = used_pictures(calibration.pictures);
     std::vector<cv::Point3f> object;
+    object.reserve(points.size());
     for (const auto& p : points) object.emplace_back(float(p[0]), float(p[1]), float(p[2]));
     std::vector<std::vector<cv::Point2f>> seen;
     for (const auto* picture : used) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <opencv2/calib3d.hpp>
 
 namespace treacle::video {
@@ -13,8 +14,8 @@ namespace {
 constexpr int pose_parameters = 6;
 
 std::vector<int> fitted_parameters(int coefficients) {
-    std::vector<int> out;
-    for (int i = 0; i < 4 + coefficients; ++i) out.push_back(i);
+    std::vector<int> out(std::size_t(4 + coefficients));
+    std::iota(out.begin(), out.end(), 0);
     return out;
 }
 
@@ -26,6 +27,7 @@ struct Linearised {
 Linearised linearise(const scene::Lens& lens, const scene::CameraPose& pose, const std::vector<Vec3>& points,
     const std::vector<scene::Vec2>& pixels) {
     std::vector<cv::Point3d> object;
+    object.reserve(points.size());
     for (const auto& p : points) object.emplace_back(p[0], p[1], p[2]);
     std::vector<cv::Point2d> seen;
     cv::Mat jacobian;

@@ -96,7 +96,7 @@ scene::Lens read_lens(const cv::FileNode& node, const std::string& where) {
             "lenses have OpenCV's k1 k2 p1 p2 k3 k4 k5 k6", "calibrate with cv::calibrateCamera");
     const bool thin = std::any_of(
         d.begin() + std::ptrdiff_t(std::min<std::size_t>(8, d.size())), d.end(), [](double k) { return k != 0; });
-    if ((d.size() != 0 && d.size() != 4 && d.size() != 5 && d.size() < 8) || thin)
+    if ((!d.empty() && d.size() != 4 && d.size() != 5 && d.size() < 8) || thin)
         refuse(where, "distortion_coefficients has " + std::to_string(d.size()) + " numbers: must be 4, 5 or 8",
             thin ? "thin prisms and tilted sensors are not modelled" : "they are k1 k2 p1 p2, k3, and k4 k5 k6", "");
     std::copy_n(d.begin(), std::min<std::size_t>(8, d.size()), lens.distortion.begin());

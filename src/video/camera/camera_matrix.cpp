@@ -47,6 +47,8 @@ scene::CameraPose pose_from_points(
     const scene::Lens& lens, const std::vector<Vec3>& points, const std::vector<scene::Vec2>& pixels) {
     std::vector<cv::Point3d> object;
     std::vector<cv::Point2d> image;
+    object.reserve(points.size());
+    image.reserve(pixels.size());
     for (const auto& p : points) object.emplace_back(p[0], p[1], p[2]);
     for (const auto& p : pixels) image.emplace_back(p[0], p[1]);
     const cv::Mat matrix = camera_matrix(lens), distortion = distortion_vector(lens);

@@ -25,7 +25,9 @@ struct Scale {
 constexpr int shift = 4;
 
 cv::Scalar colour_of(std::size_t i, std::size_t n) {
-    cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(double(i * 180 / std::max<std::size_t>(n, 1)), 200, 190)), bgr;
+    cv::Mat hsv(
+        1, 1, CV_8UC3, cv::Scalar(std::floor(180.0 * double(i) / double(std::max<std::size_t>(n, 1))), 200, 190)),
+        bgr;
     cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
     const auto c = bgr.at<cv::Vec3b>(0, 0);
     return {double(c[0]), double(c[1]), double(c[2])};

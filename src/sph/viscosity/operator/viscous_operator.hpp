@@ -23,11 +23,11 @@ public:
     // Motion of the solids: by `motion`, or none.
     enum class Walls { moving, resting };
     // Collective: product = C u of the owned particles. Gathers the ghosts' u.
-    void multiply(const ViscousContext& parts, int u_field, Walls walls, const Array3& product);
+    void multiply(const ViscousContext& parts, int u_field, Walls which, const Array3& product);
 
     // The same in single precision but for u itself: C u + O(1e-6) C u, in a third of the time. Of the symmetric
     // forms with gradients (`has_tiles`).
-    void multiply_single_precision(const ViscousContext& parts, int u_field, Walls walls, const Array3& product);
+    void multiply_single_precision(const ViscousContext& parts, int u_field, Walls which, const Array3& product);
     static bool has_tiles(ViscosityForm form) {
         return form == ViscosityForm::corrected || form == ViscosityForm::adjoint;
     }
