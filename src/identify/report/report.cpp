@@ -40,16 +40,18 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
     return out + "</tr>\n";
 }
 
+// Name of the part of the variance that comes from what is compared.
+const char* scatter_name(const StudyFile& file) {
+    if (only(file, ExperimentKind::contours)) return "pixels";
+    return only(file, ExperimentKind::piv) ? "vectors" : "scatter";
+}
+
 // The parts of a variance by their names, the sum last.
 std::vector<std::pair<std::string, double>> variance_fractions(const VarianceParts& parts, const StudyFile& file) {
     const auto any = [&](ExperimentKind kind) {
         return std::ranges::any_of(file.experiments, [&](const auto& one) { return one.kind == kind; });
     };
-    std::vector<std::pair<std::string, double>> out{{only(file, ExperimentKind::contours) ? "pixels"
-                                                        : only(file, ExperimentKind::piv) ? "vectors"
-                                                                                          : "scatter",
-                                                        parts.pixels},
-        {"time zero", parts.time}};
+    std::vector<std::pair<std::string, double>> out{{scatter_name(file), parts.pixels}, {"time zero", parts.time}};
     if (file.searched > 1) out.emplace_back("range", parts.range);
     if (any(ExperimentKind::contours) || any(ExperimentKind::occupancy))
         out.insert(out.end(), {{"contour", parts.contour}, {"camera", parts.camera}});

@@ -76,6 +76,13 @@ std::string file_suffix(int number) {
     return text;
 }
 
+std::vector<int> keys_of(const std::map<int, std::vector<const ComparedVector*>>& fields) {
+    std::vector<int> out;
+    out.reserve(fields.size());
+    for (const auto& [number, vectors] : fields) out.push_back(number);
+    return out;
+}
+
 } // namespace
 
 std::vector<ReportPicture> write_field_pictures(
@@ -87,9 +94,7 @@ std::vector<ReportPicture> write_field_pictures(
         fields[one.field].push_back(&one);
         box.add(one);
     }
-    std::vector<int> numbers;
-    numbers.reserve(fields.size());
-    for (const auto& [number, list] : fields) numbers.push_back(number);
+    const auto numbers = keys_of(fields);
     std::vector<ReportPicture> out;
     const auto count = std::min(most_fields, numbers.size());
     for (std::size_t k = 0; k < count; ++k) {

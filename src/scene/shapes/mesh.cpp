@@ -101,6 +101,13 @@ void for_each_edge(const std::vector<Edge>& edges, Visit&& visit) {
     }
 }
 
+std::size_t count_components(const TriangleMesh& mesh, DisjointSets& parts) {
+    std::vector<char> used(mesh.vertices.size(), 0);
+    for (const auto& triangle : mesh.triangles)
+        for (const int v : triangle) used[parts.find(v)] = 1;
+    return static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+}
+
 void count_edges(const TriangleMesh& mesh, const std::vector<Edge>& edges, MeshReport& report) {
     DisjointSets parts(mesh.vertices.size()), loops(mesh.vertices.size());
     std::vector<int> open_vertices;
@@ -117,10 +124,7 @@ void count_edges(const TriangleMesh& mesh, const std::vector<Edge>& edges, MeshR
     std::sort(open_vertices.begin(), open_vertices.end());
     open_vertices.erase(std::unique(open_vertices.begin(), open_vertices.end()), open_vertices.end());
     for (const int v : open_vertices) report.holes += loops.find(v) == static_cast<std::size_t>(v);
-    std::vector<char> used(mesh.vertices.size(), 0);
-    for (const auto& triangle : mesh.triangles)
-        for (const int v : triangle) used[parts.find(v)] = 1;
-    report.components = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+    report.components = count_components(mesh, parts);
 }
 
 void count_duplicates(const TriangleMesh& mesh, MeshReport& report) {

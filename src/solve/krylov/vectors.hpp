@@ -1,6 +1,8 @@
 #pragma once
-// Inside src/solve only: this rank's share of the vector operations of Krylov methods, each one pass
-// over memory. The pragmas allow the sums to run in several lanes; the order stays the same from run to run.
+// Inside src/solve only: the vector operations of Krylov methods on this rank's rows, a kernel and one pass over memory each.
+// Sums come in an order that does not depend on threads (kokkos/ordered_sum.hpp).
+#include "kokkos/ordered_sum.hpp"
+
 #include <cstddef>
 #include <span>
 
@@ -10,10 +12,8 @@ namespace treacle::solve {
 inline double dot(std::span<const double> a, std::span<const double> b) {
     const double* const u = a.data();
     const double* const v = b.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < a.size(); ++i) sum += u[i] * v[i];
-    return sum;
+    return ordered_sum(
+        "treacle::dot", static_cast<int>(a.size()), KOKKOS_LAMBDA(int i) { return u[i] * v[i]; });
 }
 
 // Sum of weights a b.
@@ -21,28 +21,23 @@ inline double weighted(std::span<const double> weights, std::span<const double> 
     const double* const w = weights.data();
     const double* const u = a.data();
     const double* const v = b.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < weights.size(); ++i) sum += w[i] * u[i] * v[i];
-    return sum;
+    return ordered_sum(
+        "treacle::weighted_dot", static_cast<int>(a.size()), KOKKOS_LAMBDA(int i) { return w[i] * u[i] * v[i]; });
 }
 
 // Sum of a over this rank's rows.
 inline double total(std::span<const double> a) {
     const double* const u = a.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < a.size(); ++i) sum += u[i];
-    return sum;
+    return ordered_sum(
+        "treacle::total", static_cast<int>(a.size()), KOKKOS_LAMBDA(int i) { return u[i]; });
 }
 
 // Sum of (a - shift)^2.
 inline double squares(std::span<const double> a, double shift) {
     const double* const u = a.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < a.size(); ++i) sum += (u[i] - shift) * (u[i] - shift);
-    return sum;
+    return ordered_sum(
+        "treacle::squares", static_cast<int>(a.size()),
+        KOKKOS_LAMBDA(int i) { return (u[i] - shift) * (u[i] - shift); });
 }
 
 // x += alpha p, r -= alpha q; returns r.r.
@@ -52,15 +47,13 @@ inline double step(
     const double* const product = q.data();
     double* const solution = x.data();
     double* const residual = r.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        solution[i] += alpha * direction[i];
-        const double value = residual[i] - alpha * product[i];
-        residual[i] = value;
-        sum += value * value;
-    }
-    return sum;
+    return ordered_sum(
+        "treacle::step", static_cast<int>(x.size()), KOKKOS_LAMBDA(int i) {
+            solution[i] += alpha * direction[i];
+            const double value = residual[i] - alpha * product[i];
+            residual[i] = value;
+            return value * value;
+        });
 }
 
 // r = b - shift - q; returns r.r.
@@ -68,30 +61,29 @@ inline double subtract(std::span<const double> b, double shift, std::span<const 
     const double* const left = b.data();
     const double* const right = q.data();
     double* const residual = r.data();
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t i = 0; i < b.size(); ++i) {
-        const double value = left[i] - shift - right[i];
-        residual[i] = value;
-        sum += value * value;
-    }
-    return sum;
+    return ordered_sum(
+        "treacle::subtract", static_cast<int>(b.size()), KOKKOS_LAMBDA(int i) {
+            const double value = left[i] - shift - right[i];
+            residual[i] = value;
+            return value * value;
+        });
 }
 
 // to += factor from.
 inline void add(double factor, std::span<const double> from, std::span<double> to) {
     const double* const u = from.data();
     double* const v = to.data();
-#pragma omp simd
-    for (std::size_t i = 0; i < to.size(); ++i) v[i] += factor * u[i];
+    Kokkos::parallel_for(
+        "treacle::add", static_cast<int>(to.size()), KOKKOS_LAMBDA(int i) { v[i] += factor * u[i]; });
 }
 
 // p = z + beta p.
 inline void turn(double beta, std::span<const double> z, std::span<double> p) {
     const double* const gradient = z.data();
     double* const direction = p.data();
-#pragma omp simd
-    for (std::size_t i = 0; i < p.size(); ++i) direction[i] = gradient[i] + beta * direction[i];
+    Kokkos::parallel_for(
+        "treacle::turn", static_cast<int>(p.size()),
+        KOKKOS_LAMBDA(int i) { direction[i] = gradient[i] + beta * direction[i]; });
 }
 
 } // namespace treacle::solve

@@ -147,17 +147,16 @@ void Matrix::multiply(std::span<const double> x, std::span<double> y) const {
     TREACLE_EXPECT(x.size() == static_cast<std::size_t>(rows_) && y.size() == x.size());
     const CsrBlocks& a = blocks_;
     if (a.halo) a.halo->start(x);
-    for (Index i = 0; i < rows_; ++i) {
-        y[static_cast<std::size_t>(i)] = sparse_dot(
-            a.diagonal_columns, a.diagonal_values, a.diagonal_offsets[i], a.diagonal_offsets[i + 1], x.data());
-    }
+    const RowProduct own{a.diagonal_offsets, a.diagonal_columns, a.diagonal_values, x.data()};
+    double* const out = y.data();
+    Kokkos::parallel_for(
+        "treacle::row_products", rows_, KOKKOS_LAMBDA(int i) { out[i] = own(i); });
     if (a.halo) {
-        const auto around = a.halo->finish();
-        for (Index i = 0; i < rows_; ++i) {
-            const Index begin = a.off_offsets[i], end = a.off_offsets[i + 1];
-            if (begin == end) continue;
-            y[static_cast<std::size_t>(i)] += sparse_dot(a.off_columns, a.off_values, begin, end, around.data());
-        }
+        const RowProduct other{a.off_offsets, a.off_columns, a.off_values, a.halo->finish().data()};
+        Kokkos::parallel_for(
+            "treacle::halo_products", rows_, KOKKOS_LAMBDA(int i) {
+                if (!other.is_empty(i)) out[i] += other(i);
+            });
     }
     if (addition_) addition_(x, y);
 }

@@ -1,11 +1,13 @@
 #pragma once
 // Inside src/solve only: a row of a matrix times a vector.
+#include "kokkos/types.hpp"
 #include "solve/rows/matrix.hpp"
 
 namespace treacle::solve {
 
 // sum_k values[k] z[columns[k]], begin <= k < end, in four sums, for the additions to overlap.
-inline double sparse_dot(const Index* columns, const double* values, Index begin, Index end, const double* z) {
+KOKKOS_INLINE_FUNCTION double sparse_dot(
+    const Index* columns, const double* values, Index begin, Index end, const double* z) {
     double a = 0, b = 0, c = 0, d = 0;
     Index k = begin;
     for (; k + 4 <= end; k += 4) {
@@ -17,5 +19,18 @@ inline double sparse_dot(const Index* columns, const double* values, Index begin
     for (; k < end; ++k) a += values[k] * z[columns[k]];
     return (a + b) + (c + d);
 }
+
+// Rows of a block of a matrix times a vector, for kernels.
+struct RowProduct {
+    const Index* offsets = nullptr; // [rows + 1]
+    const Index* columns = nullptr; // [entries]
+    const double* values = nullptr; // [entries]
+    const double* z = nullptr;
+
+    KOKKOS_INLINE_FUNCTION bool is_empty(int row) const { return offsets[row] == offsets[row + 1]; }
+    KOKKOS_INLINE_FUNCTION double operator()(int row) const {
+        return sparse_dot(columns, values, offsets[row], offsets[row + 1], z);
+    }
+};
 
 } // namespace treacle::solve

@@ -293,7 +293,7 @@ Scene set_scene(const RenderRequest& request) {
     std::vector<PreparedLayer> layers;
     for (const auto& layer : request.layers) layers.push_back(prepare(layer, request, camera, cut));
     const DirectionalLight lamp = lamp_of(camera, up_of(request.domain));
-    // Opaque layers first, so that translucent ones find what shines through them.
+    // Opaque layers first: what shines through translucent ones.
     std::stable_sort(layers.begin(), layers.end(), [](const PreparedLayer& a, const PreparedLayer& b) {
         return (a.source->opacity == 1) > (b.source->opacity == 1);
     });

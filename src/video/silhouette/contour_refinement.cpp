@@ -16,13 +16,11 @@ constexpr float seldom = 1e-3F;   // weight of pixels at the contour, where no o
 constexpr double first_width = 2; // [px]
 
 cv::Mat to_light(const cv::Mat& rgb, MixingSpace mixing) {
-    cv::Mat table(1, 256, CV_32F), light;
+    cv::Mat table(1, 256, CV_32F), light(rgb.size(), CV_32FC3);
     for (int v = 0; v < 256; ++v)
         table.at<float>(v) = mixing == MixingSpace::code ? float(v) / 255 : float(light_of_code(v / 255.0));
-    light.create(rgb.size(), CV_32FC3);
-    const auto* in = rgb.data;
     for (int y = 0; y < rgb.rows; ++y) {
-        in = rgb.ptr<std::uint8_t>(y);
+        const auto* in = rgb.ptr<std::uint8_t>(y);
         auto* out = light.ptr<float>(y);
         for (int i = 0; i < 3 * rgb.cols; ++i) out[i] = table.at<float>(in[i]);
     }
