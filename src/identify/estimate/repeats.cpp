@@ -17,6 +17,7 @@ struct ClipAnswer {
 ClipAnswer answer_of(
     const std::vector<EvaluatedRun>& runs, const std::vector<ViewInformation>& priors, std::size_t clip) {
     std::vector<EvaluatedRun> alone;
+    alone.reserve(runs.size());
     for (const auto& run : runs) alone.push_back({run.point, {run.experiments[clip]}});
     const auto found = estimate(alone, {priors[clip]});
     ClipAnswer out{0, found.point, Eigen::VectorXd(found.point.size())};

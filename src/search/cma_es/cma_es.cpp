@@ -76,6 +76,7 @@ Task<Stop> CmaEs::run() {
 
 Task<std::vector<Value>> CmaEs::values_of(const std::vector<std::vector<double>>& candidates) {
     std::vector<Point> points;
+    points.reserve(candidates.size());
     for (const auto& y : candidates) points.push_back(seen(y));
     std::vector<Value> values = co_await evaluate(points);
     co_return values;

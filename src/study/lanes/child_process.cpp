@@ -32,6 +32,7 @@ std::vector<std::string> clean_environment(const std::vector<std::string>& added
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> out;
+    out.reserve(texts.size() + 1);
     for (auto& text : texts) out.push_back(text.data());
     out.push_back(nullptr);
     return out;
