@@ -92,7 +92,7 @@ def tidy(context):
     program, version = needed(context, "clang-tidy")
     commands = compile_commands(context)
     files = context.sample(list(commands), QUICK)
-    context.note([program, "--quiet", "-p", context.build, "FILE"])
+    context.note([program, "--quiet", "--config-file=.clang-tidy", f"BATCH_OF_{BATCH}_FILES.cpp", "--", "FLAGS_OF_ALL"])
     found = [f"{os.path.relpath(file, context.root)}:{line}: {check}" for file, line, check in Tidy(context, program, commands).all(files)]
     where = listing(context, "tidy", found)
     return Figure(f"clang-tidy {version}: {len(found)} findings in {len(files)} files{': ' + some(found) if found else ''} ({where})", not found)
