@@ -151,9 +151,10 @@ def oscillates(run, case):
     lost = int(steps["particles"][0] - steps["particles"][-1])
     time, moments, farthest = shape_of(run)
     passed = crossings(time, moments)
-    found = (passed[1] - passed[0]) / half_period(dimensions) if len(passed) > 1 else math.nan
-    swing = f"{found:.3f} of Rayleigh's" if len(passed) > 1 else f"not within {1e3 * time[-1]:.1f} ms"
-    return (f"kinetic energy up to {energy:.2f} of the surface's excess, {lost} lost, farthest {farthest / RADIUS:.2f} radii, half a period {swing}",
+    # A whole one: at rest the moments are not quite equal, so that one half is longer than the other.
+    found = (passed[2] - passed[0]) / (2 * half_period(dimensions)) if len(passed) > 2 else math.nan
+    swing = f"{found:.3f} of Rayleigh's" if len(passed) > 2 else f"not within {1e3 * time[-1]:.1f} ms"
+    return (f"kinetic energy up to {energy:.2f} of the surface's excess, {lost} lost, farthest {farthest / RADIUS:.2f} radii, a period {swing}",
             energy <= 1.15 and lost == 0 and farthest <= 1.6 * RADIUS and abs(found - 1) <= 0.04)
 
 
@@ -161,7 +162,7 @@ def drops_oscillate(context):
     """From capsules of the same volume; their excess of surface is all the energy there is. Viscosity changes their frequency by
     less than 1 %."""
     cases = context.sample(cases_of(context, (0, 0.001, 0.01)), 3)
-    return over_cases(context, cases, "swing", lambda case: drop_scene(*case, long=True, periods=1.25), oscillates, case_text)
+    return over_cases(context, cases, "swing", lambda case: drop_scene(*case, long=True, periods=1.5), oscillates, case_text)
 
 
 def add_rows(table):

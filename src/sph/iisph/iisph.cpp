@@ -174,6 +174,13 @@ void Iisph::prepare(const StepContext& parts, double dt, Aim aim) {
     write_source(parts, dt, aim);
 }
 
+namespace {
+// Pressures of surface tension compress far less in a step than the density's rule lets through: all rows are watched, each by itself.
+bool tension_drives(const StepContext& parts) {
+    return parts.options.surface_tension.model != SurfaceTensionModel::none;
+}
+} // namespace
+
 void Iisph::prepare_pairs(const StepContext& parts) {
     auto& liquid = parts.liquid;
     pack_positions(liquid, liquid.volume());
@@ -196,7 +203,8 @@ void Iisph::prepare_pairs(const StepContext& parts) {
     }
     const auto fluid = make_views(parts.constants, liquid, parts.solid, parts.neighbours);
     const auto& options = parts.options.pressure;
-    const bool bearing = options.recovers_positions() && options.stop == StoppingRule::density_error;
+    const bool bearing =
+        options.recovers_positions() && options.stop == StoppingRule::density_error && !tension_drives(parts);
     with_kernel(parts.options.kernel, parts.constants.dimensions, parts.constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::iisph_pairs", fluid.count,
@@ -276,9 +284,9 @@ solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, 
         if (aim == Aim::positions) add_compliance(rows, shift_compliance, diagonal_, q, product_);
     };
     const auto& cells = parts.cells;
-    const RowGroups groups = aim == Aim::approach
-                                 ? RowGroups{cells.begin, cells.end, static_cast<int>(cells.window.size()), true}
-                                 : RowGroups{};
+    const RowGroups groups = aim == Aim::approach ? RowGroups{cells.begin, cells.end,
+                                                        static_cast<int>(cells.window.size()), !tension_drives(parts)}
+                                                  : RowGroups{};
     const BoundedProblem problem{
         rows, product, product_, diagonal_, parts.liquid.source(), q_, guess, watched_, groups};
     const double reference = reference_norm(parts, problem, product_);

@@ -24,7 +24,8 @@ public:
     // Source b of the solve.
     //   density:    (rho*_i - rho0) / dt^2
     //   approach:   the same without what the density exceeds rho0 by before the step, liquid within a slack of rho0 counting as full;
-    //               of stop: density_error, largest_residual holds for the sums over cells of rows above solids that bear them
+    //               of stop: density_error, largest_residual holds for the sums over cells of rows above solids that bear them, with
+    //               surface tension for all rows
     //   places:     as density, of a shift of places; largest_residual does not hold
     //   divergence: the density's rate of change over dt; rows with few neighbours (inaccurate density) stay 0 (Bender &
     //               Koschier 2017)

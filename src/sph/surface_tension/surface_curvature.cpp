@@ -7,7 +7,10 @@ namespace treacle::sph {
 namespace {
 constexpr int normal_passes = 3; // fewer leave the steps of a lattice in the curvatures (src/sph/theory.md)
 constexpr int curvature_passes = 2;
-constexpr double least_normal = 0.1; // |N| h below which a particle is none of the surface
+constexpr int delta_passes =
+    1; // none: the steps of the lattice are in the forces; more: they lie deeper below the surface
+constexpr double delta_support = 0.8; // a over h: deeper particles of the surface are still within h
+constexpr double least_normal = 0.1;  // |N| h below which a particle is none of the surface
 
 KOKKOS_INLINE_FUNCTION double length(const double v[3]) { return math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 KOKKOS_INLINE_FUNCTION double length(const Array3& v, int i) {
@@ -111,6 +114,36 @@ struct SmoothCurvatureLoop {
     }
 };
 
+// |N| of owned particles and ghosts.
+void write_strength(const LiquidParticles& liquid, const Array3& normal, const Array<double>& strength) {
+    Kokkos::parallel_for(
+        "treacle::surface_strength", liquid.store.total(), KOKKOS_LAMBDA(int i) { strength(i) = length(normal, i); });
+}
+
+// (S4t) delta, from the strength |N'|.
+struct DeltaLoop {
+    Pairs pairs;
+    Array3 normal;
+    Array<double> strength, delta;
+    double unit;    // V0 c [m]
+    double support; // a [m]
+
+    KOKKOS_INLINE_FUNCTION void operator()(int i) const {
+        delta(i) = 0;
+        const double size = length(normal, i);
+        if (size == 0) return;
+        const double n[3] = {normal(i, 0) / size, normal(i, 1) / size, normal(i, 2) / size};
+        double sum = strength(i);
+        pairs.each(i, [&](int j, double dx, double dy, double dz, double r2) {
+            if (n[0] * normal(j, 0) + n[1] * normal(j, 1) + n[2] * normal(j, 2) <= 0) return;
+            const double across = n[0] * dx + n[1] * dy + n[2] * dz;
+            const double rest = 1 - (r2 - across * across) / (support * support);
+            if (rest > 0) sum += rest * rest * strength(j);
+        });
+        delta(i) = sum > 0 ? strength(i) / (unit * sum) : 0;
+    }
+};
+
 // From curvatures at a depth below the surface to those of the surface; `depth` over D - 1 [m].
 void raise(const Array<double>& curvature, int count, double depth) {
     Kokkos::parallel_for(
@@ -124,10 +157,11 @@ SurfaceCurvature::SurfaceCurvature(LiquidParticles& liquid, const SphOptions& op
     normal_[1] = liquid.store.add<Array3>("smooth_surface_normal", "1/m", FieldRole::work);
     curvature_[0] = liquid.store.add<Array<double>>("curvature", "1/m", FieldRole::work);
     curvature_[1] = liquid.store.add<Array<double>>("smooth_curvature", "1/m", FieldRole::work);
-    const auto flat = measure_flat_surface(
-        {options.kernel, constants.dimensions, constants.support, constants.spacing}, normal_passes);
-    rise_ = flat.rise;
-    depth_ = flat.depth;
+    strength_ = liquid.store.add<Array<double>>("surface_strength", "1/m", FieldRole::work);
+    delta_ = liquid.store.add<Array<double>>("surface_delta", "1/m", FieldRole::work);
+    const SurfaceSetup setup{options.kernel, constants.dimensions, constants.support, constants.spacing};
+    depth_ = surface_depth(setup, normal_passes);
+    lift_ = surface_depth(setup, delta_passes) / (2 * (constants.dimensions - 1));
 }
 
 const Array3& SurfaceCurvature::normal(const LiquidParticles& liquid) const {
@@ -136,6 +170,10 @@ const Array3& SurfaceCurvature::normal(const LiquidParticles& liquid) const {
 
 const Array<double>& SurfaceCurvature::curvature(const LiquidParticles& liquid) const {
     return liquid.store.get<Array<double>>(curvature_[last_curvature_]);
+}
+
+const Array<double>& SurfaceCurvature::delta(const LiquidParticles& liquid) const {
+    return liquid.store.get<Array<double>>(delta_);
 }
 
 void SurfaceCurvature::measure(const StepContext& parts) {
@@ -157,6 +195,8 @@ void SurfaceCurvature::measure(const StepContext& parts) {
             Kokkos::parallel_for("treacle::smooth_normals", fluid.count,
                 SmoothNormalLoop<Kernel>{kernel, around, from, normal(liquid), least});
             halo.gather(liquid.store, {normal_[last_normal_]});
+            if (pass == delta_passes)
+                write_strength(liquid, normal(liquid), liquid.store.get<Array<double>>(strength_));
         }
         Kokkos::parallel_for("treacle::curvature", fluid.count,
             CurvatureLoop<Kernel>{kernel, around, normal(liquid), curvature(liquid)});
@@ -169,6 +209,11 @@ void SurfaceCurvature::measure(const StepContext& parts) {
         }
     });
     raise(curvature(liquid), fluid.count, depth_ / (c.dimensions - 1));
+    const double a = delta_support * c.support;
+    const double norm = c.dimensions == 2 ? 15 / (16 * a) : 3 / (math::pi * a * a);
+    Kokkos::parallel_for("treacle::surface_delta", fluid.count,
+        DeltaLoop{around, normal(liquid), liquid.store.get<Array<double>>(strength_), delta(liquid),
+            c.rest_volume * norm, a});
 }
 
 } // namespace treacle::sph

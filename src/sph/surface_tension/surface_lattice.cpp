@@ -33,7 +33,7 @@ std::vector<Layer> layers_of(const SurfaceSetup& setup) {
 }
 } // namespace
 
-FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes) {
+double surface_depth(const SurfaceSetup& setup, int passes) {
     const auto layers = layers_of(setup);
     const auto support_cells = static_cast<int>(layers.size()) - 1;
     const auto at = [&](int apart) -> const Layer& { return layers[static_cast<std::size_t>(std::abs(apart))]; };
@@ -56,14 +56,13 @@ FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes) {
             normal[static_cast<std::size_t>(k)] = total / weights;
         }
     }
-    FlatSurface out;
+    double weights = 0, moment = 0;
     for (int k = 0; k < count; ++k) {
-        const double n = normal[static_cast<std::size_t>(k)] * setup.spacing;
-        out.rise += n;
-        out.depth += n * (k + 0.5) * setup.spacing;
+        const double n = normal[static_cast<std::size_t>(k)];
+        weights += n;
+        moment += n * (k + 0.5) * setup.spacing;
     }
-    out.depth /= out.rise;
-    return out;
+    return moment / weights;
 }
 
 double cohesion_energy(const SurfaceSetup& setup) {

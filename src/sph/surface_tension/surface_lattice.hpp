@@ -11,12 +11,8 @@ struct SurfaceSetup {
     double spacing; // [m]
 };
 
-// Surface of the lattice for the curvature model after `passes` smoothings (surface_curvature.hpp).
-struct FlatSurface {
-    double rise = 0;  // sum over the layers of |N| d: the part of the colour's step that lies in the liquid
-    double depth = 0; // mean depth of the layers below the surface, weighted by |N| [m]
-};
-FlatSurface measure_flat_surface(const SurfaceSetup& setup, int passes);
+// Mean depth of the layers below the surface, weighted by |N| after `passes` smoothings (surface_curvature.hpp) [m].
+double surface_depth(const SurfaceSetup& setup, int passes);
 
 // Surface energy of pairs that attract each other by W(r) r, each of unit strength, for a unit number of particles per
 // volume: half the work over the area that takes two half spaces apart [m^2 per unit of strength]; pi/8 of the integral

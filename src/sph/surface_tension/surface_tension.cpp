@@ -9,13 +9,13 @@
 namespace treacle::sph {
 
 namespace {
-// Coefficients by which particles are kept apart: s, and c over d. Cohesion draws neighbours together with 5
+// Coefficients by which particles are kept apart: s, c over d, and of the damping. Cohesion draws neighbours together with 5
 // sigma/(rho0 d^2).
 struct Distance {
-    double strength, cutoff;
+    double strength, cutoff, damping;
 };
 constexpr Distance distance_of(SurfaceTensionModel model) {
-    return model == SurfaceTensionModel::cohesion ? Distance{30, 1} : Distance{1, 0.9};
+    return model == SurfaceTensionModel::cohesion ? Distance{30, 1, 0} : Distance{1, 0.9, 1};
 }
 // Fraction of the capillary limit, for cohesion, whose forces on a particle are several times sigma/(rho0 d^2).
 constexpr double cohesion_factor = 0.2;
@@ -25,16 +25,28 @@ template <class Kernel>
 struct PairLoop {
     Kernel kernel;
     Pairs pairs;
-    double cohesion, repulsion, cutoff;
+    double cohesion, repulsion, cutoff, damping;
     RelativeDensity relative;
-    Array3 acceleration;
+    Array3 velocity, acceleration;
+
+    // Of the relative velocity along x.
+    KOKKOS_INLINE_FUNCTION double damped(int i, int j, const Kokkos::Array<double, 3>& x) const {
+        if (damping == 0) return 0; // the ghosts' velocities are those of before
+        double along = 0, square = 1e-6 * cutoff * cutoff;
+        for (std::size_t k = 0; k < 3; ++k) {
+            along += (velocity(i, k) - velocity(j, k)) * x[k];
+            square += x[k] * x[k];
+        }
+        return damping * along / square;
+    }
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         double a[3] = {0, 0, 0};
-        pairs.each(i, [&](int, double dx, double dy, double dz, double r2) {
+        pairs.each(i, [&](int j, double dx, double dy, double dz, double r2) {
             const double r = math::sqrt(r2);
             double f = cohesion > 0 ? -cohesion * kernel.value(r) : 0;
-            if (r < cutoff) f += repulsion * (1 - r / cutoff) / math::max(r, 1e-3 * cutoff);
+            if (r < cutoff)
+                f += repulsion * (1 - r / cutoff) / math::max(r, 1e-3 * cutoff) - damped(i, j, {dx, dy, dz});
             a[0] += f * dx;
             a[1] += f * dy;
             a[2] += f * dz;
@@ -45,13 +57,16 @@ struct PairLoop {
 
 void set_curvature_forces(
     const SurfaceCurvature& surface, const LiquidParticles& liquid, const RelativeDensity& relative, double scale) {
-    const double depth = surface.depth();
+    const double lift = surface.lift();
     const auto normal = surface.normal(liquid), a = liquid.acceleration();
-    const auto curvature = surface.curvature(liquid);
+    const auto curvature = surface.curvature(liquid), delta = surface.delta(liquid);
     Kokkos::parallel_for(
         "treacle::surface_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            const double f = scale * curvature(i) / (math::max(0.5, 1 + depth * curvature(i)) * relative(i));
-            for (int k = 0; k < 3; ++k) a(i, k) = f * normal(i, k);
+            const double size =
+                math::sqrt(normal(i, 0) * normal(i, 0) + normal(i, 1) * normal(i, 1) + normal(i, 2) * normal(i, 2));
+            const double k = curvature(i), raised = math::min(1.5, math::max(0.5, 1 + lift * k));
+            const double f = size > 0 ? scale * k * delta(i) * raised / (size * relative(i)) : 0;
+            for (int axis = 0; axis < 3; ++axis) a(i, axis) = f * normal(i, axis);
         });
 }
 
@@ -145,19 +160,20 @@ void SurfaceTension::accelerate(const StepContext& parts, double dt) {
     const int count = parts.liquid.store.owned();
     if (curvature_) {
         curvature_->measure(parts);
-        set_curvature_forces(*curvature_, parts.liquid, relative, tension_ / (c.rest_density * curvature_->rise()));
+        set_curvature_forces(*curvature_, parts.liquid, relative, tension_ / c.rest_density);
         balance(parts, *curvature_, conserves_torque_);
     } else {
         Kokkos::deep_copy(a, 0.0);
     }
     const auto apart = distance_of(parts.options.surface_tension.model);
+    const double stiffness = tension_ / (c.rest_density * c.spacing * c.spacing); // [m/s2]
+    if (apart.damping > 0) parts.halo.gather(parts.liquid.store, {parts.liquid.velocity_field()});
     with_kernel(parts.options.kernel, c.dimensions, c.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         Kokkos::parallel_for("treacle::surface_pairs", count,
             PairLoop<Kernel>{kernel, pairs(parts.neighbours.liquid, parts.liquid.store, parts.liquid.store),
-                cohesion_ * c.rest_volume * c.rest_volume / c.mass,
-                apart.strength * tension_ / (c.rest_density * c.spacing * c.spacing), apart.cutoff * c.spacing,
-                relative, a});
+                cohesion_ * c.rest_volume * c.rest_volume / c.mass, apart.strength * stiffness,
+                apart.cutoff * c.spacing, apart.damping * std::sqrt(stiffness / c.spacing), relative, u, a});
     });
     Kokkos::parallel_for(
         "treacle::accelerate_surface", count, KOKKOS_LAMBDA(int i) {

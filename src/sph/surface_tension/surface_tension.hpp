@@ -7,10 +7,11 @@
 namespace treacle::sph {
 
 // (S4t) Surface tension of the liquids against air, as accelerations before the pressure solve. Two models:
-//     curvature   F_i = V0 sigma k_i N_i / (rise (1 + k_i t))   Morris 2000; all of these are in surface_curvature.hpp
+//     curvature   F_i = -V0 sigma k_i delta_i n_i (1 + k_i t / (2 (D-1)))   Morris 2000; k, delta, n, t: surface_curvature.hpp
 //     cohesion    F_ij = -A V0^2 W_ij x_ij                     Becker & Teschner 2007, A = sigma / cohesion_energy()
 // and with both, since what draws particles inwards also lets them pair up,
 //     F_ij = s m sigma / (rho0 d^2) (1 - r/c) x_ij/r   for r < c, closer than in any order
+// and, with curvature, what damps these pairs' motion along x_ij, m (sigma / (rho0 d^3))^1/2 (u_j - u_i).x_ij x_ij / r^2.
 // Pair forces keep linear and angular momentum to round-off. So does the curvature model as long as the surface touches
 // nothing: what its forces add up to, which is an error of k and N, is taken off them in proportion to |N|. Where a
 // surface ends at solids, or on inlets, the liquid hangs on them by it, and nothing is taken off.
