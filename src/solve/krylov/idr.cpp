@@ -2,7 +2,7 @@
 
 #include "base/text/clock.hpp"
 #include "base/text/contract.hpp"
-#include "solve/krylov/vectors.hpp"
+#include "solve/rows/vectors.hpp"
 
 #include <algorithm>
 #include <cmath>

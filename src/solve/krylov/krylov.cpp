@@ -4,7 +4,7 @@
 #include "base/text/contract.hpp"
 #include "base/text/error.hpp"
 #include "solve/krylov/petsc_krylov.hpp"
-#include "solve/krylov/vectors.hpp"
+#include "solve/rows/vectors.hpp"
 
 #include <algorithm>
 #include <array>

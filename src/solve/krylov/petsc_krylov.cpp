@@ -1,6 +1,6 @@
 #include "solve/krylov/petsc_krylov.hpp"
 
-#include "solve/krylov/vectors.hpp"
+#include "solve/rows/vectors.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "solve/krylov/preconditioner.hpp"
 
 #include "base/text/error.hpp"
-#include "solve/krylov/vectors.hpp"
+#include "solve/rows/vectors.hpp"
 
 #include <stdexcept>
 

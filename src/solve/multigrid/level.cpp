@@ -1,7 +1,5 @@
 #include "solve/multigrid/level.hpp"
 
-#include "solve/rows/sparse_dot.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -35,8 +33,6 @@ inline void fetch(const Index* columns, const double* values, Index begin, Index
     for (Index k = begin; k < end; k += line / 8) __builtin_prefetch(values + k);
     for (Index k = begin; k < end; k += line / 4) __builtin_prefetch(columns + k);
 }
-
-double inverse(double diagonal) { return diagonal > 0 ? 1 / diagonal : 0.0; }
 } // namespace
 
 MortonKey cell_key(const int cell[3]) {
@@ -76,7 +72,7 @@ void Level::index_rows() {
         diagonal_[static_cast<std::size_t>(i)] = static_cast<Index>(std::lower_bound(begin, end, i) - own_.columns);
     }
     inverse_.resize(static_cast<std::size_t>(rows));
-    for (Index i = 0; i < rows; ++i) inverse_[static_cast<std::size_t>(i)] = inverse(diagonal(i));
+    for (std::size_t i = 0; i < inverse_.size(); ++i) inverse_[i] = inverse(diagonal(static_cast<Index>(i)), i);
     interface_.clear();
     change_.clear();
     for (Index i = 0; i < rows; ++i) {
@@ -99,7 +95,7 @@ void Level::set_l1_diagonal(double relaxation) {
         }
         own = std::max(given / relaxation + beside * sum, 0.5 * (given + sum));
     }
-    for (std::size_t i = 0; i < l1_diagonal_.size(); ++i) inverse_[i] = inverse(l1_diagonal_[i]);
+    for (std::size_t i = 0; i < l1_diagonal_.size(); ++i) inverse_[i] = inverse(l1_diagonal_[i], i);
 }
 
 void Level::take(const Comm& comm, CoarseRows& made, Index first, Index global) {
@@ -188,36 +184,38 @@ std::span<const double> Level::less_others(std::span<const double> r_, std::span
     return right_;
 }
 
-double Level::product(std::span<const double> z_, std::span<const double> around, std::size_t row) const {
-    const double sum = sparse_dot(own_.columns, own_.values, own_.offsets[row], own_.offsets[row + 1], z_.data());
-    const Index begin = other_.offsets[row], end = other_.offsets[row + 1];
-    return begin == end ? sum : sum + sparse_dot(other_.columns, other_.values, begin, end, around.data());
+LevelProduct Level::product(std::span<const double> z_, std::span<const double> around) const {
+    return {{own_.offsets, own_.columns, own_.values, z_.data()},
+        {other_.offsets, other_.columns, other_.values, around.data()}};
 }
 
 void Level::sweep_forward(std::span<const double> r_, std::span<double> z_) {
-    const auto around = halo().gather(z_);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        if (!is_fixed(i)) z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
+    const auto product_of = product(z_);
+    for (Index i = 0; i < rows; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (!is_fixed(at)) z_[at] += (r_[at] - product_of(i)) * inverse_[at];
     }
 }
 
 void Level::sweep_backward(std::span<const double> r_, std::span<double> z_) {
     const auto around = halo().gather(z_);
     if (blocks_.taken()) return blocks_.up(inverse_, less_others(r_, around), z_);
+    const auto product_of = product(z_, around);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
         // Rows fall while the entries of each rise: no order that hardware fetches ahead.
         if (is_fixed(i)) continue;
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
-        z_[i] += (r_[i] - product(z_, around, i)) * inverse_[i];
+        z_[i] += (r_[i] - product_of(static_cast<Index>(i))) * inverse_[i];
     }
 }
 
 void Level::sweep_up_by_rows(std::span<const double> r_, std::span<double> z_, std::span<double> t_) {
     std::fill(t_.begin(), t_.end(), 0.0);
+    const auto product_of = product(z_, around_);
     for (std::size_t i = static_cast<std::size_t>(rows); i-- > 0;) {
         if (is_fixed(i)) continue;
         if (i >= ahead) fetch(own_.columns, own_.values, own_.offsets[i - ahead], own_.offsets[i - ahead + 1]);
-        const double sum = r_[i] - product(z_, around_, i), change = sum * inverse_[i];
+        const double sum = r_[i] - product_of(static_cast<Index>(i)), change = sum * inverse_[i];
         const Index diagonal = diagonal_[i];
         z_[i] += change;
         t_[i] += sum - own_.values[diagonal] * change;
@@ -253,18 +251,44 @@ void Level::sweep_interface_forward(std::span<double> z_, std::span<double> t_) 
 }
 
 void Level::sweep_interface_backward(std::span<const double> r_, std::span<double> z_) {
-    const auto around = halo().gather(z_);
+    const auto product_of = product(z_);
     for (std::size_t k = interface_.size(); k-- > 0;) {
         const auto at = static_cast<std::size_t>(interface_[k]);
-        if (!is_fixed(at)) z_[at] += (r_[at] - product(z_, around, at)) * inverse_[at];
+        if (!is_fixed(at)) z_[at] += (r_[at] - product_of(interface_[k])) * inverse_[at];
     }
 }
 
 void Level::residual(std::span<const double> r_, std::span<const double> z_, std::span<double> t_) {
-    const auto around = halo().gather(z_);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
-        t_[i] = r_[i] - product(z_, around, i);
-    }
+    const auto product_of = product(z_);
+    const double* const right = r_.data();
+    double* const left = t_.data();
+    Kokkos::parallel_for(
+        "treacle::level_residual", rows, KOKKOS_LAMBDA(int i) { left[i] = right[i] - product_of(i); });
+}
+
+void Level::restrict_to(std::span<const double> t_, std::span<double> coarse) const {
+    const Index* const first_run = group.data();
+    const Run* const parts = runs.data();
+    const double* const from = t_.data();
+    double* const to = coarse.data();
+    Kokkos::parallel_for(
+        "treacle::restrict", aggregates(), KOKKOS_LAMBDA(int a) {
+            double sum = 0;
+            for (Index k = first_run[a]; k < first_run[a + 1]; ++k) {
+                for (Index i = parts[k].begin; i < parts[k].end; ++i) sum += from[i];
+            }
+            to[a] = sum;
+        });
+}
+
+void Level::prolong(std::span<const double> coarse, std::span<double> z_) const {
+    const Index* const aggregate_of = aggregate.data();
+    const double* const from = coarse.data();
+    double* const to = z_.data();
+    Kokkos::parallel_for(
+        "treacle::prolong", rows, KOKKOS_LAMBDA(int i) {
+            if (aggregate_of[i] >= 0) to[i] += from[aggregate_of[i]];
+        });
 }
 
 std::size_t Level::bytes() const {

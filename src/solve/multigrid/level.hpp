@@ -3,6 +3,7 @@
 #include "mpi/row_halo.hpp"
 #include "solve/multigrid/block_sweeps.hpp"
 #include "solve/rows/matrix.hpp"
+#include "solve/rows/sparse_dot.hpp"
 
 #include <cstdint>
 #include <span>
@@ -61,10 +62,18 @@ struct Run {
     Index begin, end;
 };
 
+// Rows of a level times a vector, for kernels: this rank's columns, then those of others.
+struct LevelProduct {
+    RowProduct own, other;
+    KOKKOS_INLINE_FUNCTION double operator()(int row) const {
+        return other.is_empty(row) ? own(row) : own(row) + other(row);
+    }
+};
+
 // One level: rows, their sweeps, and the aggregates that they form. Rows and spans are this rank's.
 class Level {
 public:
-    // The matrix itself. The level refers to it.
+    // The matrix itself, after `fixed`. The level refers to it.
     void refer_to(const Matrix& matrix);
     // Collective. Takes the rows, whose numbers start at first in the order of the ranks.
     void take(const Comm& comm, CoarseRows& made, Index first, Index global_rows);
@@ -86,12 +95,21 @@ public:
     // before sweep_backward.
     void sweep_interface_forward(std::span<double> z, std::span<double> t);
     void sweep_interface_backward(std::span<const double> r, std::span<double> z);
-    // t = r - A z
+    // Collective: A z, row by row, for kernels; valid until the next exchange of the halo.
+    LevelProduct product(std::span<const double> z) { return product(z, halo().gather(z)); }
+    // Collective, a kernel: t = r - A z
     void residual(std::span<const double> r, std::span<const double> z, std::span<double> t);
+
+    // Kernels between the level and its aggregates, which all are this rank's: coarse = P^T t, each sum in the order of the
+    // rows; z += P coarse.
+    void restrict_to(std::span<const double> t, std::span<double> coarse) const;
+    void prolong(std::span<const double> coarse, std::span<double> z) const;
 
     // Rows where z stays 0; a_ii, which every row stores.
     bool is_fixed(std::size_t row) const { return !fixed.empty() && fixed[row] != 0; }
     double diagonal(Index row) const { return own_.values[diagonal_[static_cast<std::size_t>(row)]]; }
+    // [rows] 1/D', D' = D before set_l1_diagonal(); 0 where z stays 0 and where there is nothing to divide by.
+    std::span<const double> inverse_diagonal() const { return inverse_; }
     // Stored entries and memory [bytes] of this rank; the latter without a matrix that the level refers to.
     std::int64_t entries() const { return std::int64_t{own_.offsets[rows]} + other_.offsets[rows]; }
     std::size_t bytes() const;
@@ -122,8 +140,11 @@ public:
     RowHalo& halo() { return borrowed_halo_ ? *borrowed_halo_ : halo_; }
 
 private:
-    double product(std::span<const double> z, std::span<const double> around, std::size_t row) const;
+    LevelProduct product(std::span<const double> z, std::span<const double> around) const;
     void index_rows();
+    double inverse(double diagonal, std::size_t row) const {
+        return diagonal > 0 && !is_fixed(row) ? 1 / diagonal : 0.0;
+    }
     void subtract_others(std::span<const double> around, std::span<double> t) const;
     void sweep_up_by_rows(std::span<const double> r, std::span<double> z, std::span<double> t);
     std::span<const double> less_others(std::span<const double> r, std::span<const double> around);
@@ -135,7 +156,7 @@ private:
     std::vector<Index> interface_;       // rows that couple to other ranks
     std::vector<double> change_;         // [rows], of sweep_interface_forward(): zero but for border rows
     std::vector<double> l1_diagonal_;    // [rows] D'; or empty: D
-    std::vector<double> inverse_;        // [rows] 1/D', 0 where there is nothing to divide by
+    std::vector<double> inverse_;        // of inverse_diagonal()
     std::vector<double> around_, right_; // scratch of sweep_backward()
     BlockSweeps blocks_;                 // where rows come in blocks, does their sweeps
     RowHalo halo_;

@@ -1,8 +1,10 @@
 #include "solve/multigrid/multilevel.hpp"
 
 #include "base/text/contract.hpp"
+#include "solve/multigrid/chebyshev.hpp"
 #include "solve/multigrid/coarsen.hpp"
 #include "solve/multigrid/dense.hpp"
+#include "solve/rows/vectors.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -24,8 +26,14 @@ struct Stage {
     Level level;
     RankAgglomeration agglomeration;
     std::vector<double> made_r, made_z; // [aggregates], where the next level has moved
+    Chebyshev chebyshev;                // where it is the smoother
 };
 } // namespace
+
+Smoother default_smoother() {
+    const bool parallel = Kokkos::is_initialized() && Kokkos::DefaultExecutionSpace().concurrency() > 1;
+    return parallel ? Smoother::chebyshev : Smoother::gauss_seidel;
+}
 
 struct Multilevel::State {
     const MultilevelOptions* options = nullptr;
@@ -42,7 +50,13 @@ struct Multilevel::State {
     void cycle(std::size_t depth, std::span<const double> r, std::span<double> z);
     void twice(std::size_t depth, std::span<const double> r, std::span<double> z);
     void correct(std::size_t depth, std::span<const double> t, std::span<double> z);
-    bool jacobi(std::size_t depth) const { return depth == 0 && options->smoother == Smoother::jacobi; }
+    void set_up_smoothers(const Comm& comm);
+    void smooth_down(std::size_t depth, std::span<const double> r, std::span<double> z);
+    void smooth_up(std::size_t depth, std::span<const double> r, std::span<double> z);
+    Smoother smoother(std::size_t depth) const {
+        return depth > 0 && options->smoother == Smoother::jacobi ? Smoother::gauss_seidel : options->smoother;
+    }
+    int sweeps(std::size_t depth) const { return depth == 0 ? 1 : options->coarse_sweeps; }
 };
 
 // Finds the aggregates of a level: the cells of the matrix itself, then cells of twice the width, or of four times
@@ -66,7 +80,7 @@ void Multilevel::State::coarsen_cells(const Comm& comm, Level& level, bool fines
 bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const double> densities) {
     const bool finest = used == 1;
     if (stages.size() == used) stages.emplace_back();
-    auto& [level, agglomeration, made_r, made_z] = stages[used - 1];
+    auto& [level, agglomeration, made_r, made_z, chebyshev] = stages[used - 1];
     coarsen_cells(comm, level, finest);
     const auto global_rows = comm.sum(std::int64_t{level.aggregates()});
     if (global_rows == 0) return false;
@@ -93,14 +107,11 @@ bool Multilevel::State::add_level(const Comm& comm, int& stride, std::span<const
 
 // z += P M_c P^T t
 void Multilevel::State::correct(std::size_t depth, std::span<const double> t, std::span<double> z) {
-    auto& [level, agglomeration, made_r, made_z] = stages[depth];
+    auto& [level, agglomeration, made_r, made_z, chebyshev] = stages[depth];
     auto& next = stages[depth + 1].level;
     auto& coarse_r = agglomeration.moved() ? made_r : next.r;
     const auto& coarse_z = agglomeration.moved() ? made_z : next.z;
-    std::fill(coarse_r.begin(), coarse_r.end(), 0.0);
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        if (level.aggregate[i] >= 0) coarse_r[static_cast<std::size_t>(level.aggregate[i])] += t[i];
-    }
+    level.restrict_to(t, coarse_r);
     if (agglomeration.moved()) agglomeration.down(made_r, next.r);
     const bool exact = depth + 2 == used && direct;
     if (options->cycle == Cycle::w && !exact) {
@@ -109,9 +120,7 @@ void Multilevel::State::correct(std::size_t depth, std::span<const double> t, st
         cycle(depth + 1, next.r, next.z);
     }
     if (agglomeration.moved()) agglomeration.up(next.z, made_z);
-    for (std::size_t i = 0; i < z.size(); ++i) {
-        if (level.aggregate[i] >= 0) z[i] += coarse_z[static_cast<std::size_t>(level.aggregate[i])];
-    }
+    level.prolong(coarse_z, z);
 }
 
 // z = (2 M - M A M) r
@@ -123,37 +132,68 @@ void Multilevel::State::twice(std::size_t depth, std::span<const double> r, std:
     cycle(depth, r, z);
     level.residual(r, z, left);
     cycle(depth, left, more);
-    for (std::size_t i = 0; i < z.size(); ++i) z[i] += more[i];
+    add(1.0, more, z);
+}
+
+// From z = 0; leaves t = r - A z in the level.
+void Multilevel::State::smooth_down(std::size_t depth, std::span<const double> r, std::span<double> z) {
+    auto& stage = stages[depth];
+    auto& level = stage.level;
+    switch (smoother(depth)) {
+    case Smoother::jacobi:
+        scale(options->jacobi_weight, level.inverse_diagonal(), r, z);
+        level.residual(r, z, level.t);
+        return;
+    case Smoother::chebyshev: // (ML6)
+        stage.chebyshev.start(level, r, z);
+        for (int sweep = 1; sweep < sweeps(depth); ++sweep) stage.chebyshev.improve(level, r, z);
+        level.residual(r, z, level.t);
+        return;
+    case Smoother::gauss_seidel: // (ML3)
+        level.sweep_forward_from_zero(r, z, level.t);
+        for (int sweep = 1; sweep < sweeps(depth); ++sweep) level.sweep_forward(r, z);
+        if (sweeps(depth) > 1) level.residual(r, z, level.t);
+        if (options->interface_sweeps) level.sweep_interface_forward(z, level.t);
+    }
+}
+
+// The adjoint of the way down.
+void Multilevel::State::smooth_up(std::size_t depth, std::span<const double> r, std::span<double> z) {
+    auto& stage = stages[depth];
+    auto& level = stage.level;
+    switch (smoother(depth)) {
+    case Smoother::jacobi:
+        level.residual(r, z, level.t);
+        add(options->jacobi_weight, level.inverse_diagonal(), level.t, z);
+        return;
+    case Smoother::chebyshev:
+        for (int sweep = 0; sweep < sweeps(depth); ++sweep) stage.chebyshev.improve(level, r, z);
+        return;
+    case Smoother::gauss_seidel:
+        if (options->interface_sweeps) level.sweep_interface_backward(r, z);
+        for (int sweep = 0; sweep < sweeps(depth); ++sweep) level.sweep_backward(r, z);
+    }
 }
 
 void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std::span<double> z) {
-    auto& level = stages[depth].level;
     const bool last = depth + 1 == used;
     if (last && direct) {
         dense.solve(r, z);
         return;
     }
-    const auto n = static_cast<std::size_t>(level.rows);
-    if (jacobi(depth)) {
-        const double weight = options->jacobi_weight;
-        const auto step = [&](std::size_t i, double residual) {
-            return level.is_fixed(i) ? 0.0 : weight * residual / level.diagonal(static_cast<Index>(i));
-        };
-        for (std::size_t i = 0; i < n; ++i) z[i] = step(i, r[i]);
-        level.residual(r, z, level.t);
-        if (!last) correct(depth, level.t, z);
-        level.residual(r, z, level.t);
-        for (std::size_t i = 0; i < n; ++i) z[i] += step(i, level.t[i]);
-        return;
+    smooth_down(depth, r, z);
+    if (!last) correct(depth, stages[depth].level.t, z);
+    smooth_up(depth, r, z);
+}
+
+// Of the levels that are not solved for directly.
+void Multilevel::State::set_up_smoothers(const Comm& comm) {
+    if (options->smoother == Smoother::chebyshev) {
+        const std::size_t smoothed = direct ? used - 1 : used;
+        for (std::size_t k = 0; k < smoothed; ++k) stages[k].chebyshev.set_up(comm, stages[k].level);
+    } else if (options->relaxation > 1) {
+        for (std::size_t k = 0; k < used; ++k) stages[k].level.set_l1_diagonal(options->relaxation);
     }
-    const int sweeps = depth == 0 ? 1 : options->coarse_sweeps;
-    level.sweep_forward_from_zero(r, z, level.t);
-    for (int sweep = 1; sweep < sweeps; ++sweep) level.sweep_forward(r, z);
-    if (sweeps > 1) level.residual(r, z, level.t);
-    if (options->interface_sweeps) level.sweep_interface_forward(z, level.t);
-    if (!last) correct(depth, level.t, z);
-    if (options->interface_sweeps) level.sweep_interface_backward(r, z);
-    for (int sweep = 0; sweep < sweeps; ++sweep) level.sweep_backward(r, z);
 }
 
 namespace {
@@ -179,13 +219,13 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
     state.options = &options_;
     if (state.stages.empty()) state.stages.emplace_back();
     auto& finest = state.stages[0].level;
-    finest.refer_to(matrix);
     const auto rows = static_cast<std::size_t>(matrix.rows());
     TREACLE_EXPECT(cells.cells.size() == 3 * rows);
     finest.keys.resize(rows);
     for (std::size_t i = 0; i < rows; ++i) finest.keys[i] = cell_key(&cells.cells[3 * i]);
     state.dirichlet.clear();
     finest.fixed.assign(cells.fixed.begin(), cells.fixed.end());
+    finest.refer_to(matrix);
     for (std::size_t i = 0; i < finest.fixed.size(); ++i) {
         if (finest.fixed[i] != 0) finest.keys[i] = no_cell;
     }
@@ -206,9 +246,7 @@ void Multilevel::set_up(Matrix& matrix, const MultilevelCells& cells) {
         state.direct = last.global_rows <= options_.max_coarse_size;
         if (state.direct) state.dense.factor(last);
     }
-    for (std::size_t k = 0; k < state.used && options_.relaxation > 1; ++k) {
-        state.stages[k].level.set_l1_diagonal(options_.relaxation);
-    }
+    state.set_up_smoothers(comm_);
 }
 
 void Multilevel::apply(std::span<const double> r, std::span<double> z) { state_->cycle(0, r, z); }
@@ -235,8 +273,8 @@ double Multilevel::operator_complexity() const {
 std::size_t Multilevel::bytes() const {
     std::size_t total = state_->dense.bytes();
     for (const auto& stage : state_->stages) {
-        total +=
-            stage.level.bytes() + stage.agglomeration.bytes() + 8 * (stage.made_r.capacity() + stage.made_z.capacity());
+        total += stage.level.bytes() + stage.agglomeration.bytes() + stage.chebyshev.bytes() +
+                 8 * (stage.made_r.capacity() + stage.made_z.capacity());
     }
     return total;
 }

@@ -15,9 +15,12 @@ enum class CoarseMatrices {
 };
 // Relaxation before and after the correction from below; symmetric as a pair.
 enum class Smoother {
-    gauss_seidel, // rows in order on the way down, in reverse on the way up; each rank within its own rows
+    gauss_seidel, // rows in order on the way down, in reverse on the way up; each rank within its own rows, one thread
     jacobi,       // weighted
+    chebyshev,    // (ML6) polynomial of degree 2, in kernels; takes neither relaxation nor interface_sweeps
 };
+// The faster one on this back end: chebyshev where Kokkos runs kernels on several threads or a device, else gauss_seidel.
+Smoother default_smoother();
 
 // Visits of the coarse levels in one application.
 enum class Cycle {
@@ -28,13 +31,13 @@ enum class Cycle {
 // Settings of a Multilevel. std::logic_error from its constructor where they are out of range.
 struct MultilevelOptions {
     CoarseMatrices coarse = CoarseMatrices::galerkin; // grids: v only
-    Smoother smoother = Smoother::gauss_seidel;       // of the rows themselves; coarse levels use Gauss–Seidel
+    Smoother smoother = default_smoother();           // jacobi: of the rows themselves, coarse levels use gauss_seidel
     double jacobi_weight = 2.0 / 3;                   // at most 1
     double overcorrection = 1.6;                      // galerkin: coarse matrices are divided by it, from 1 to below 2
     Cycle cycle = Cycle::w;                           // v where coarse matrices are grids
-    int coarse_sweeps = 1;                            // each way on coarse levels
+    int coarse_sweeps = 1;                            // or polynomials, each way on coarse levels
     double relaxation = 1;                            // of Gauss-Seidel sweeps, on all levels; from 1 to below 2
-    bool interface_sweeps = false; // rows beside other ranks once more between the sweeps, on all levels
+    bool interface_sweeps = false; // rows beside other ranks once more between these sweeps, on all levels
     double grid_coupling = 1;      // grids: n / (lambda H^2), n the rows of a full cell of width H [1/m2]
     int max_coarse_size = 200;     // most unknowns that are solved for directly
     int min_rows_per_rank = 500;   // levels with fewer on average are gathered onto every eighth rank

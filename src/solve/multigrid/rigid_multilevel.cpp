@@ -69,7 +69,6 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     if (stages.empty()) stages.emplace_back();
     auto& level = stages[0].level;
     auto& links = stages[0].links;
-    level.refer_to(matrix);
     const auto n = static_cast<std::size_t>(matrix.rows());
     TREACLE_EXPECT(rows.cells.size() == 3 * n && rows.positions.size() == 3 * n && rows.axes.size() == n);
     level.keys.resize(n);
@@ -82,6 +81,7 @@ void RigidMultilevel::State::find_rows(const Matrix& matrix, const VelocityRows&
     level.fixed.clear();
     if (border.count > 0) level.fixed.assign(n, 0);
     for (std::size_t k = 0; k < count() && comm->is_root(); ++k) level.fixed[n - 1 - k] = 1;
+    level.refer_to(matrix);
     dropped.assign(1, no_cell);
     links.finest = true;
     links.axes.assign(rows.axes.begin(), rows.axes.end());

@@ -25,8 +25,9 @@ struct RowProduct {
     const Index* offsets = nullptr; // [rows + 1]
     const Index* columns = nullptr; // [entries]
     const double* values = nullptr; // [entries]
-    const double* z = nullptr;
+    const double* z = nullptr;      // [columns of the block]
 
+    // True where the block has no entry in the row.
     KOKKOS_INLINE_FUNCTION bool is_empty(int row) const { return offsets[row] == offsets[row + 1]; }
     KOKKOS_INLINE_FUNCTION double operator()(int row) const {
         return sparse_dot(columns, values, offsets[row], offsets[row + 1], z);

@@ -76,7 +76,9 @@ enum class SurfaceTensionModel {
 // Visits of coarse levels: once, or twice for each time of the level above.
 enum class MultilevelCycle { v, w };
 // Smoother of the particles' level.
-enum class MultilevelSmoother { gauss_seidel, jacobi };
+enum class MultilevelSmoother { gauss_seidel, jacobi, chebyshev };
+// The faster one on this back end: solve::default_smoother().
+MultilevelSmoother default_smoother();
 
 // Options of the block `density` (S1)-(S3).
 struct DensityOptions {
@@ -96,7 +98,7 @@ struct DensityOptions {
 struct MultilevelOptions {
     double cell = 0;             // width of the finest cells in spacings; 0: the neighbour search's
     double overcorrection = 1.6; // what coarse matrices are divided by
-    MultilevelSmoother smoother = MultilevelSmoother::gauss_seidel;
+    MultilevelSmoother smoother = default_smoother();
     double jacobi_weight = 2.0 / 3; // above 0, at most 1
     MultilevelCycle cycle = MultilevelCycle::w;
     int coarse_sweeps = 1;

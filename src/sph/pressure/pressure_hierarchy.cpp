@@ -24,12 +24,20 @@ CellGrid finest_grid(const SphOptions& options, const Constants& constants, cons
     return grid;
 }
 
+solve::Smoother translate(MultilevelSmoother smoother) {
+    switch (smoother) {
+    case MultilevelSmoother::gauss_seidel: return solve::Smoother::gauss_seidel;
+    case MultilevelSmoother::jacobi: return solve::Smoother::jacobi;
+    case MultilevelSmoother::chebyshev: return solve::Smoother::chebyshev;
+    }
+    return solve::default_smoother();
+}
+
 solve::MultilevelOptions algebra(const SphOptions& options, const Constants& constants, const CellGrid& grid) {
     const auto& given = options.pressure.multilevel;
     solve::MultilevelOptions out;
     out.overcorrection = given.overcorrection;
-    out.smoother =
-        given.smoother == MultilevelSmoother::jacobi ? solve::Smoother::jacobi : solve::Smoother::gauss_seidel;
+    out.smoother = translate(given.smoother);
     out.cycle = given.cycle == MultilevelCycle::w ? solve::Cycle::w : solve::Cycle::v;
     out.jacobi_weight = given.jacobi_weight;
     out.coarse_sweeps = given.coarse_sweeps;

@@ -1,5 +1,5 @@
 #pragma once
-// Inside src/solve only: the vector operations of Krylov methods on this rank's rows, a kernel and one pass over memory each.
+// Inside src/solve only: the vector operations of Krylov methods and smoothers on this rank's rows, a kernel and one pass over memory each.
 // Sums come in an order that does not depend on threads (kokkos/ordered_sum.hpp).
 #include "kokkos/ordered_sum.hpp"
 
@@ -75,6 +75,24 @@ inline void add(double factor, std::span<const double> from, std::span<double> t
     double* const v = to.data();
     Kokkos::parallel_for(
         "treacle::add", static_cast<int>(to.size()), KOKKOS_LAMBDA(int i) { v[i] += factor * u[i]; });
+}
+
+// to = factor weights from.
+inline void scale(double factor, std::span<const double> weights, std::span<const double> from, std::span<double> to) {
+    const double* const w = weights.data();
+    const double* const u = from.data();
+    double* const v = to.data();
+    Kokkos::parallel_for(
+        "treacle::scale", static_cast<int>(to.size()), KOKKOS_LAMBDA(int i) { v[i] = factor * w[i] * u[i]; });
+}
+
+// to += factor weights from.
+inline void add(double factor, std::span<const double> weights, std::span<const double> from, std::span<double> to) {
+    const double* const w = weights.data();
+    const double* const u = from.data();
+    double* const v = to.data();
+    Kokkos::parallel_for(
+        "treacle::add_weighted", static_cast<int>(to.size()), KOKKOS_LAMBDA(int i) { v[i] += factor * w[i] * u[i]; });
 }
 
 // p = z + beta p.
