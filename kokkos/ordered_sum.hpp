@@ -15,7 +15,7 @@ template <class Term>
 struct BlockSumLoop {
     int n;
     Term term;
-    Array<double> sums; // [blocks]
+    Array<double> sums; // [blocks] in the unit of the terms
     KOKKOS_INLINE_FUNCTION void operator()(int block) const {
         const int begin = block * sum_block, end = math::min(n, begin + sum_block);
         double sum = 0;
@@ -30,7 +30,7 @@ template <class Term>
 struct TeamSumLoop {
     int n;
     Term term;
-    Array<double> sums; // [blocks]
+    Array<double> sums; // [blocks] in the unit of the terms
     KOKKOS_INLINE_FUNCTION void operator()(const Kokkos::TeamPolicy<Execution>::member_type& team) const {
         const int begin = team.league_rank() * sum_block, end = math::min(n, begin + sum_block);
         double sum = 0;
@@ -43,7 +43,7 @@ struct TeamSumLoop {
 // Adds the sums of the blocks up, into the first.
 struct BlockTotal {
     int blocks;
-    Array<double> sums;
+    Array<double> sums; // [blocks] in the unit of the terms
     KOKKOS_INLINE_FUNCTION void operator()(int) const {
         double sum = 0;
         for (int k = 0; k < blocks; ++k) sum += sums(k);
