@@ -162,7 +162,7 @@ def drops_oscillate(context):
     """From capsules of the same volume; their excess of surface is all the energy there is. Viscosity changes their frequency by
     less than 1 %."""
     cases = context.sample(cases_of(context, (0, 0.001, 0.01)), 3)
-    return over_cases(context, cases, "swing", lambda case: drop_scene(*case, long=True, periods=1.5), oscillates, case_text)
+    return over_cases(context, cases, "swing", lambda case: drop_scene(*case, long=True, periods=1.75), oscillates, case_text)
 
 
 def add_rows(table):
