@@ -186,7 +186,7 @@ void Multilevel::State::cycle(std::size_t depth, std::span<const double> r, std:
     smooth_up(depth, r, z);
 }
 
-// Of the levels that are not solved for directly.
+// Smoothers of the levels that are not solved for directly.
 void Multilevel::State::set_up_smoothers(const Comm& comm) {
     if (options->smoother == Smoother::chebyshev) {
         const std::size_t smoothed = direct ? used - 1 : used;

@@ -13,11 +13,6 @@ constexpr double delta_support = 0.8; // a over h: deeper particles of the surfa
 constexpr double least_normal = 0.1;  // |N| h below which a particle is none of the surface
 
 KOKKOS_INLINE_FUNCTION double length(const double v[3]) { return math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-KOKKOS_INLINE_FUNCTION double length(const Array3& v, int i) {
-    const double row[3] = {v(i, 0), v(i, 1), v(i, 2)};
-    return length(row);
-}
-
 template <class Kernel>
 struct NormalLoop {
     Kernel kernel;
@@ -73,12 +68,12 @@ struct CurvatureLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         curvature(i) = 0;
-        const double size = length(normal, i);
+        const double size = row_length(normal, i);
         if (size == 0) return;
         const double n[3] = {normal(i, 0) / size, normal(i, 1) / size, normal(i, 2) / size}; // inwards
         double turned = 0, across = 0;
         pairs.each(i, [&](int j, double dx, double dy, double dz, double r2) {
-            const double other = length(normal, j);
+            const double other = row_length(normal, j);
             if (other == 0) return;
             const double w = -other * kernel.gradient(math::sqrt(r2)), d[3] = {dx, dy, dz};
             double along = 0, turn = 0;
@@ -102,11 +97,11 @@ struct SmoothCurvatureLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         to(i) = 0;
-        const double size = length(normal, i);
+        const double size = row_length(normal, i);
         if (size == 0) return;
         double weights = size * kernel.value(0.0), sum = weights * from(i);
         pairs.each(i, [&](int j, double, double, double, double r2) {
-            const double w = kernel.value(math::sqrt(r2)) * length(normal, j);
+            const double w = kernel.value(math::sqrt(r2)) * row_length(normal, j);
             weights += w;
             sum += w * from(j);
         });
@@ -117,7 +112,8 @@ struct SmoothCurvatureLoop {
 // |N| of owned particles and ghosts.
 void write_strength(const LiquidParticles& liquid, const Array3& normal, const Array<double>& strength) {
     Kokkos::parallel_for(
-        "treacle::surface_strength", liquid.store.total(), KOKKOS_LAMBDA(int i) { strength(i) = length(normal, i); });
+        "treacle::surface_strength", liquid.store.total(),
+        KOKKOS_LAMBDA(int i) { strength(i) = row_length(normal, i); });
 }
 
 // (S4t) delta, from the strength |N'|.
@@ -130,7 +126,7 @@ struct DeltaLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         delta(i) = 0;
-        const double size = length(normal, i);
+        const double size = row_length(normal, i);
         if (size == 0) return;
         const double n[3] = {normal(i, 0) / size, normal(i, 1) / size, normal(i, 2) / size};
         double sum = strength(i);

@@ -3,6 +3,11 @@
 
 namespace treacle::sph {
 
+// Length of row i of v [rows][3], in v's unit; for kernels.
+KOKKOS_INLINE_FUNCTION double row_length(const Array3& v, int i) {
+    return math::sqrt(v(i, 0) * v(i, 0) + v(i, 1) * v(i, 1) + v(i, 2) * v(i, 2));
+}
+
 // Surface of the liquid and its curvature (Morris 2000, with averages in the place of a wider kernel):
 //     N_i = sum_j V0 grad W                    into the liquid; beside solids without its part along sum_s V_s grad W,
 //                                              so that the surface meets walls at a right angle
@@ -25,7 +30,7 @@ public:
     const Array<double>& curvature(const LiquidParticles& liquid) const; // k [1/m]
     const Array<double>& delta(const LiquidParticles& liquid) const;     // [1/m]
     // t / (2 (D-1)), t the mean depth of a flat surface's delta [m]. A force that acts at the depth t holds Laplace's pressure
-    // as it is, and drives the second mode of a drop by a factor 1 - 2 t/R too little: half of that is made up for.
+    // as it is, and drives the second mode of a drop by a factor 1 - 2 t/R too little: a quarter of that is made up for.
     double lift() const { return lift_; }
 
 private:

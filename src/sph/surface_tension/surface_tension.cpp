@@ -29,7 +29,7 @@ struct PairLoop {
     RelativeDensity relative;
     Array3 velocity, acceleration;
 
-    // Of the relative velocity along x.
+    // Damping of the pair's relative velocity along x, over |x| [1/s2].
     KOKKOS_INLINE_FUNCTION double damped(int i, int j, const Kokkos::Array<double, 3>& x) const {
         if (damping == 0) return 0; // the ghosts' velocities are those of before
         double along = 0, square = 1e-6 * cutoff * cutoff;
@@ -62,8 +62,7 @@ void set_curvature_forces(
     const auto curvature = surface.curvature(liquid), delta = surface.delta(liquid);
     Kokkos::parallel_for(
         "treacle::surface_tension", liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            const double size =
-                math::sqrt(normal(i, 0) * normal(i, 0) + normal(i, 1) * normal(i, 1) + normal(i, 2) * normal(i, 2));
+            const double size = row_length(normal, i);
             const double k = curvature(i), raised = math::min(1.5, math::max(0.5, 1 + lift * k));
             const double f = size > 0 ? scale * k * delta(i) * raised / (size * relative(i)) : 0;
             for (int axis = 0; axis < 3; ++axis) a(i, axis) = f * normal(i, axis);
@@ -79,8 +78,7 @@ struct BalanceLoop : LoadReduction {
     double centre[3];
 
     KOKKOS_INLINE_FUNCTION void operator()(int i, value_type sum) const {
-        const double w =
-            math::sqrt(normal(i, 0) * normal(i, 0) + normal(i, 1) * normal(i, 1) + normal(i, 2) * normal(i, 2));
+        const double w = row_length(normal, i);
         if (w == 0) return;
         const double m = relative(i), a[3] = {acceleration(i, 0), acceleration(i, 1), acceleration(i, 2)};
         const double x[3] = {position(i, 0) - centre[0], position(i, 1) - centre[1], position(i, 2) - centre[2]};
@@ -133,7 +131,7 @@ void balance(const StepContext& parts, const SurfaceCurvature& surface, bool tur
     const double px = push[0], py = push[1], pz = push[2], tx = turn[0], ty = turn[1], tz = turn[2];
     Kokkos::parallel_for(
         "treacle::balance_surface", parts.liquid.store.owned(), KOKKOS_LAMBDA(int i) {
-            const double w = math::sqrt(n(i, 0) * n(i, 0) + n(i, 1) * n(i, 1) + n(i, 2) * n(i, 2));
+            const double w = row_length(n, i);
             const double rx = x(i, 0) - cx, ry = x(i, 1) - cy, rz = x(i, 2) - cz;
             out(i, 0) -= w * (px + ty * rz - tz * ry);
             out(i, 1) -= w * (py + tz * rx - tx * rz);
