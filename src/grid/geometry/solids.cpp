@@ -1,5 +1,7 @@
 #include "grid/geometry/solids.hpp"
 
+#include "scene/sampling/nearby_distance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -75,17 +77,17 @@ void fill_wall_distance(const FineNodes& nodes, const WallPlanes& walls, double 
 class PosedBody {
 public:
     PosedBody(const rigid::RigidBodies& bodies, std::size_t body, const Vec3& shift)
-        : region_(bodies.setup().bodies[body].region.front()), start_(bodies.setup().bodies[body].centre),
+        : distance_(bodies.setup().bodies[body].region.front()), start_(bodies.setup().bodies[body].centre),
           now_(rigid::operator+(bodies.pose(body).centre, shift)), moves_(bodies.moves(body)), shift_(shift) {
         if (moves_) back_ = rigid::transposed(rigid::to_matrix(bodies.pose(body).turn));
     }
-    double distance(const Vec3& x) const {
+    double distance(const Vec3& x) {
         using namespace rigid;
-        return moves_ ? region_.distance(start_ + back_ * (x - now_)) : region_.distance(x - shift_);
+        return moves_ ? distance_(start_ + back_ * (x - now_)) : distance_(x - shift_);
     }
 
 private:
-    const scene::SolidRegion& region_;
+    scene::NearbyDistance distance_;
     Vec3 start_, now_;
     bool moves_;
     Vec3 shift_;
@@ -129,7 +131,7 @@ CellBox bounding_cells(
 template <class Distances, class Numbers>
 class BodySampler {
 public:
-    BodySampler(const PosedBody& body, int number, const FineNodes& nodes, double dx, const Distances& distance,
+    BodySampler(PosedBody& body, int number, const FineNodes& nodes, double dx, const Distances& distance,
         const Numbers& numbers)
         : body_(body), number_(number), nodes_(nodes), dx_(dx), distance_(distance), numbers_(numbers) {}
 
@@ -184,7 +186,7 @@ private:
         distance_(at) = d;
     }
 
-    const PosedBody& body_;
+    PosedBody& body_;
     int number_;
     const FineNodes& nodes_;
     double dx_;
@@ -244,7 +246,7 @@ void Solids::add_bodies(const rigid::RigidBodies& bodies, bool moving, const Cel
                 Kokkos::deep_copy(numbers, to_number);
                 fetched = true;
             }
-            const PosedBody body(bodies, b, shift);
+            PosedBody body(bodies, b, shift);
             BodySampler sampler(body, static_cast<int>(b), nodes_, grid_.dx, distance, numbers);
             sampler.sample(covered);
             if (moving) touched_.push_back(covered);

@@ -76,6 +76,12 @@ double SolidRegion::distance(const Vec3& x) const {
     return inverted_ ? -distance : distance;
 }
 
+double SolidRegion::distance(const Vec3& x, DistanceBound known) const {
+    if (inverted_) known.sign = -known.sign;
+    const double distance = surface_->distance(x, known);
+    return inverted_ ? -distance : distance;
+}
+
 Vec3 SolidRegion::normal(const Vec3& x) const {
     const Vec3 normal = surface_->nearest(x).normal;
     return inverted_ ? -normal : normal;

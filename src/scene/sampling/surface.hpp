@@ -22,6 +22,8 @@ class Surface {
 public:
     virtual ~Surface() = default;
     virtual Nearest nearest(const Vec3& x) const = 0; // exact, x [m]
+    // [m] nearest(x).distance, from what is known of it.
+    virtual double distance(const Vec3& x, const DistanceBound&) const { return nearest(x).distance; }
     // [m] a distance of the same sign that is no larger in magnitude, and quicker to find.
     virtual double bound(const Vec3& x) const { return nearest(x).distance; }
     virtual Bounds bounds() const = 0;

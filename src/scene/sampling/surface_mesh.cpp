@@ -34,9 +34,14 @@ public:
 
     Nearest nearest(const Vec3& x) const override {
         const ClosestPoint c = tree_.closest(x);
-        const double sign = tree_.winding(x) > 0.5 ? -1 : 1;
+        const double sign = sign_at(x);
         if (c.distance > 1e-9 * size_) return {sign * c.distance, (sign / c.distance) * (x - c.point)};
         return {sign * c.distance, feature_normal(c)};
+    }
+    double distance(const Vec3& x, const DistanceBound& known) const override {
+        const ClosestPoint c = tree_.closest(x, known.at_most);
+        const int sign = known.sign != 0 ? known.sign : sign_at(x);
+        return sign * c.distance;
     }
     Bounds bounds() const override { return bounds_; }
     double volume() const override { return volume_; }
@@ -81,6 +86,8 @@ public:
     }
 
 private:
+    int sign_at(const Vec3& x) const { return tree_.winding(x) > 0.5 ? -1 : 1; }
+
     // settle(), with a short cut: where c stays the closest point, nothing is in between.
     std::optional<InsetPoint> lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {
         if (sampling.inset == 0) return InsetPoint{c, false};

@@ -47,13 +47,36 @@ std::array<double, 3> closest_weights(const Triangle& t, const Vec3& x) {
 
 Vec3 combine(const Triangle& t, const std::array<double, 3>& w) { return w[0] * t[0] + w[1] * t[1] + w[2] * t[2]; }
 
-// Solid angle / 4 pi (van Oosterom and Strackee 1983).
-double triangle_winding(const Triangle& t, const Vec3& x) {
+// Sum of angles in (-pi, pi], each given by a complex number of that argument: their product, and the turns that its
+// argument has lost, in place of an arc tangent for each.
+class AngleSum {
+public:
+    // Adds the angle of re + i im; nothing for 0.
+    void add(double re, double im) {
+        const double size = std::abs(re) + std::abs(im);
+        if (!(size > 0)) return;
+        const double real = (re_ * re - im_ * im) / size, imaginary = (re_ * im + im_ * re) / size;
+        if (im_ >= 0 && im >= 0 && imaginary < 0) ++turns_;
+        if (im_ < 0 && im < 0 && imaginary >= 0) --turns_;
+        const bool small = std::abs(real) + std::abs(imaginary) < least;
+        re_ = small ? real / least : real;
+        im_ = small ? imaginary / least : imaginary;
+    }
+    double turns() const { return turns_ + std::atan2(im_, re_) / (2 * std::numbers::pi); } // the sum / 2 pi
+
+private:
+    static constexpr double least = 1e-100; // each factor is between 0.7 and 1
+    double re_ = 1, im_ = 0;
+    int turns_ = 0;
+};
+
+// Adds half of the solid angle of a triangle (van Oosterom and Strackee 1983).
+void add_half_angle(const Triangle& t, const Vec3& x, AngleSum& sum) {
     const Vec3 a = t[0] - x, b = t[1] - x, c = t[2] - x;
     const double la = length(a), lb = length(b), lc = length(c);
     const double numerator = dot(a, cross(b, c));
     const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    return std::atan2(numerator, denominator) / (2 * std::numbers::pi);
+    sum.add(denominator, numerator);
 }
 
 // Moeller and Trumbore 1997; infinite without a hit.
@@ -159,7 +182,7 @@ void TriangleBvh::build(int index, int first, int count) {
     build(node.first + 1, first + half, count - half);
 }
 
-ClosestPoint TriangleBvh::closest(const Vec3& x) const {
+ClosestPoint TriangleBvh::closest(const Vec3& x, double at_most) const {
     struct Entry {
         int node;
         double squared;
@@ -167,7 +190,8 @@ ClosestPoint TriangleBvh::closest(const Vec3& x) const {
     std::array<Entry, stack_size> stack;
     int depth = 0;
     ClosestPoint best;
-    double best_squared = Bounds::infinite;
+    bool found = false;
+    double best_squared = at_most * at_most;
     stack[depth++] = {0, squared_distance(nodes_[0].box, x)};
     while (depth > 0) {
         const Entry entry = stack[--depth];
@@ -178,6 +202,7 @@ ClosestPoint TriangleBvh::closest(const Vec3& x) const {
             const Vec3 point = combine(triangles_[i], weights), gap = x - point;
             const double squared = dot(gap, gap);
             if (squared < best_squared) {
+                found = true;
                 best_squared = squared;
                 best = {point, number_[i], weights, 0};
             }
@@ -189,6 +214,7 @@ ClosestPoint TriangleBvh::closest(const Vec3& x) const {
         stack[depth++] = left_first ? right : left;
         stack[depth++] = left_first ? left : right;
     }
+    if (!found) return closest(x); // within round-off of `at_most`
     best.distance = std::sqrt(best_squared);
     return best;
 }
@@ -196,22 +222,23 @@ ClosestPoint TriangleBvh::closest(const Vec3& x) const {
 double TriangleBvh::winding(const Vec3& x) const {
     std::array<int, stack_size> stack;
     int depth = 0;
-    double sum = 0;
+    double dipoles = 0;
+    AngleSum angles;
     stack[depth++] = 0;
     while (depth > 0) {
         const Node& node = nodes_[stack[--depth]];
         const Vec3 gap = node.centre - x;
         const double squared = dot(gap, gap), range = dipole_range * node.radius;
         if (squared > range * range) {
-            sum += dot(gap, node.area_normal) / (4 * std::numbers::pi * squared * std::sqrt(squared));
+            dipoles += dot(gap, node.area_normal) / (4 * std::numbers::pi * squared * std::sqrt(squared));
         } else if (node.count > 0) {
-            for (int i = node.first; i < node.first + node.count; ++i) sum += triangle_winding(triangles_[i], x);
+            for (int i = node.first; i < node.first + node.count; ++i) add_half_angle(triangles_[i], x, angles);
         } else {
             stack[depth++] = node.first;
             stack[depth++] = node.first + 1;
         }
     }
-    return sum;
+    return dipoles + angles.turns();
 }
 
 double TriangleBvh::first_hit(const Vec3& origin, const Vec3& direction, double skip) const {

@@ -24,7 +24,8 @@ public:
     // A segment is the triangle {a, b, b}.
     explicit TriangleBvh(std::vector<Triangle> triangles);
 
-    ClosestPoint closest(const Vec3& x) const; // x [m]; not for an empty tree
+    // The closest point to x [m]; not for an empty tree. `at_most` [m]: no smaller than its distance.
+    ClosestPoint closest(const Vec3& x, double at_most = Bounds::infinite) const;
 
     // Generalised winding number: 1 inside and 0 outside a closed surface, to about 1 %. Far groups of
     // triangles count as dipoles (Barill et al. 2018, "Fast winding numbers for soups and clouds").

@@ -1,6 +1,7 @@
 #include "shapes.hpp"
 
 #include "base/text/error.hpp"
+#include "scene/sampling/nearby_distance.hpp"
 #include "scene/sampling/signed_distance.hpp"
 
 #include <gtest/gtest.h>
@@ -163,6 +164,36 @@ TEST(SignedDistance, OfOverlappingMeshPartsIsInsideBoth) {
     EXPECT_LT(region.distance({0.8, 0.6, 0.6}), 0);
     EXPECT_LT(region.distance({1.3, 0.6, 0.6}), 0);
     EXPECT_GT(region.distance({1.3, 0.05, 0.6}), 0);
+}
+
+// Places along a path that jumps at times, stands still at times, and at times lies in the surface.
+std::vector<Vec3> path_of_places() {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<Vec3> out{{0.5, 0.5, 0.5}};
+    for (int i = 0; i < 20000; ++i) {
+        const double step = i % 100 == 0 ? 1 : i % 10 == 0 ? 0 : std::pow(10, -1 - i % 5);
+        Vec3 x = plus(out.back(), step, {unit(random), unit(random), unit(random)});
+        if (i % 77 == 0) x[static_cast<std::size_t>(i % 3)] = i % 2;
+        for (double& a : x) a = a < -1 || a > 2 ? 0.5 : a;
+        out.push_back(x);
+    }
+    return out;
+}
+
+TEST(SignedDistance, OfPlacesThatFollowEachOtherIsTheSameBitForBit) {
+    const MeshFile cube("cube.obj", cube_mesh());
+    auto two = cube_mesh();
+    for (const Vec3& v : cube_mesh().vertices) two.vertices.push_back(plus(v, 1, {0, 0, 1.3}));
+    for (const auto& t : cube_mesh().triangles) two.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+    const MeshFile pair("pair.obj", two);
+    Shape outside = mesh_shape(cube.path());
+    outside.inverted = true;
+    for (const Shape& shape : {mesh_shape(cube.path()), mesh_shape(pair.path()), outside, box({0, 0, 0}, {1, 1, 1})}) {
+        const SolidRegion region(shape);
+        NearbyDistance distance(region);
+        for (const Vec3& x : path_of_places()) ASSERT_EQ(distance(x), region.distance(x)) << x[0] << ' ' << x[1];
+    }
 }
 
 TEST(SignedDistance, OfTheBunnyTakesMicroseconds) {
