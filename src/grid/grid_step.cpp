@@ -297,7 +297,7 @@ StepReport GridStep::advance(double dt) {
         correct(report); // (C)
     }
     before_ = times.drift;
-    end_motion_.record(middle_motion(), times);
+    end_motion_.record(middle_motion(), bodies_.impact_momenta(), times);
     bodies_.set_lead(end_motion_.lead());
     return report;
 }

@@ -67,16 +67,7 @@ EndMotion::Middle GridStep::middle_motion() const {
     EndMotion::Middle out;
     const auto all = sums(particles_.velocity());
     std::copy_n(all.begin(), 6, out.liquid.begin());
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        const bool free = bodies_.dynamic(b);
-        const auto velocity = free ? bodies_.velocity(b) : Vec3{0, 0, 0}, spin = free ? bodies_.spin(b) : Vec3{0, 0, 0};
-        const auto turning = free ? bodies_.angular_momentum(b) : Vec3{0, 0, 0};
-        const double mass = bodies_.setup().bodies[b].mass;
-        for (const double v : velocity) out.momenta.push_back(mass * v);
-        out.momenta.insert(out.momenta.end(), turning.begin(), turning.end());
-        out.velocities.insert(out.velocities.end(), velocity.begin(), velocity.end());
-        out.velocities.insert(out.velocities.end(), spin.begin(), spin.end());
-    }
+    out.bodies = bodies_.free_momenta();
     return out;
 }
 

@@ -57,6 +57,16 @@ Vec3 RigidBodies::spin_at(std::size_t body, const Quaternion& turn) const {
 
 Vec3 RigidBodies::spin(std::size_t body) const { return spin_at(body, states_[body].pose.turn); }
 
+Vec3 RigidBodies::end_velocity(std::size_t body) const {
+    if (!dynamic(body)) return velocity(body);
+    return velocity(body) + (1 / setup_.bodies[body].mass) * lead(body, 0);
+}
+
+Vec3 RigidBodies::end_spin(std::size_t body) const {
+    if (!dynamic(body)) return spin(body);
+    return spin(body) + inverse_inertia(body, states_[body].pose.turn) * lead(body, 3);
+}
+
 Response RigidBodies::response(std::size_t body) const {
     Response out;
     if (!dynamic(body)) return out;
@@ -161,6 +171,17 @@ double RigidBodies::max_speed() const {
         if (moves(b)) most = std::max(most, length(velocity(b)) + length(spin(b)) * setup_.bodies[b].bounding_radius);
     }
     return most;
+}
+
+std::vector<double> RigidBodies::free_momenta() const {
+    std::vector<double> out(6 * size());
+    for (std::size_t b = 0; b < size(); ++b) {
+        for (std::size_t k = 0; k < 3 && dynamic(b); ++k) {
+            out[6 * b + k] = setup_.bodies[b].mass * velocity(b)[k];
+            out[6 * b + 3 + k] = angular_momentum(b)[k];
+        }
+    }
+    return out;
 }
 
 std::array<double, 6> RigidBodies::momentum() const {

@@ -105,17 +105,21 @@ public:
     const Pose& pose(std::size_t body) const { return states_[body].pose; }         // at time()
     const Vec3& velocity(std::size_t body) const { return states_[body].velocity; } // of the centre [m/s]
     Vec3 spin(std::size_t body) const;                                              // [rad/s]
-    // A method whose velocities are those of the middles of steps sets by how much those of the ends, for what is
-    // shown, are ahead of them: 6 numbers a body [m/s], [rad/s].
+    // A method whose velocities are those of the middles of steps sets by how much momenta of the ends, for what is
+    // shown, are ahead of them: as free_momenta().
     void set_lead(std::vector<double> lead) { lead_ = std::move(lead); }
-    Vec3 end_velocity(std::size_t body) const { return velocity(body) + lead(body, 0); }
-    Vec3 end_spin(std::size_t body) const { return spin(body) + lead(body, 3); }
+    Vec3 end_velocity(std::size_t body) const;
+    Vec3 end_spin(std::size_t body) const;
     // About the centre [kg m2/s]; of dynamic bodies.
     const Vec3& angular_momentum(std::size_t body) const { return states_[body].angular_momentum; }
     // About the centre, in the axes of space, where it is [kg m2]; of dynamic bodies.
     Matrix3 inertia(std::size_t body) const { return inertia(body, states_[body].pose.turn); }
     // Response of the bodies to impulses where they are, joints and locked degrees of freedom included.
     ConstrainedInverseMass mobility() const;
+    // Momentum by velocity() [kg m/s], and angular_momentum(): 6 numbers a body, 0 of what is not dynamic.
+    std::vector<double> free_momenta() const;
+    // What impacts have changed of them in the last step.
+    const std::vector<double>& impact_momenta() const { return impact_momenta_; }
     // Bound of the speed of any point of a body that moves [m/s].
     double max_speed() const;
     int contacts() const { return contacts_; } // of the last step
@@ -153,7 +157,7 @@ private:
         Vec3 angular_momentum{0, 0, 0}; // of a kinematic body in its place: the spin
     };
     Vec3 end_angular_momentum(std::size_t body) const { // that of end_spin(), about the centre
-        return states_[body].angular_momentum + inertia(body) * lead(body, 3);
+        return states_[body].angular_momentum + lead(body, 3);
     }
     Vec3 lead(std::size_t body, std::size_t part) const {
         const std::size_t at = 6 * body + part;
@@ -177,6 +181,7 @@ private:
     enum class Impacts { bounce, stop };
     double meet(double dt, Impacts impacts);
     void solve(const std::vector<Contact>& contacts, double dt);
+    void hit(const std::vector<Contact>& contacts, double dt);
     void advance(double dt);
     void constrain_joints(double dt);
     std::array<double, 6> own_momentum(std::size_t body) const;
@@ -191,6 +196,7 @@ private:
     std::vector<double> lead_; // empty: none
     // Impulses of this step, 6 numbers a body: by gravity and loads, by contacts, by joints; and what each had before.
     std::vector<double> given_, contact_loads_, joint_loads_, before_;
+    std::vector<double> impact_momenta_;
 };
 
 } // namespace treacle::rigid

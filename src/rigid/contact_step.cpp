@@ -75,6 +75,13 @@ void RigidBodies::solve(const std::vector<Contact>& contacts, double dt) {
     apply_impulses(impulses);
 }
 
+void RigidBodies::hit(const std::vector<Contact>& contacts, double dt) {
+    const auto before = free_momenta();
+    solve(contacts, dt);
+    const auto after = free_momenta();
+    for (std::size_t k = 0; k < after.size(); ++k) impact_momenta_[k] += after[k] - before[k];
+}
+
 // Impulses of contacts where the bodies are; returns for how long they move without an impact, at most to the end of the step [s].
 double RigidBodies::meet(double dt, Impacts impacts) {
     auto contacts = find_contacts(*this, dt - gone_);
@@ -90,8 +97,11 @@ double RigidBodies::meet(double dt, Impacts impacts) {
         (meeting == Meeting::later ? later : now).push_back(contact);
         hits = hits || meeting == Meeting::hits;
     }
+    if (hits) {
+        hit(now, dt);
+        return 0; // others may be on their way to each other now
+    }
     solve(now, dt);
-    if (hits) return 0; // others may be on their way to each other now
     double free = dt - gone_;
     for (const auto& contact : later) {
         const double speed = approach(contact);

@@ -2,6 +2,7 @@
 
 #include "base/text/error.hpp"
 #include "sph/forces/density.hpp"
+#include "sph/forces/end_velocity.hpp"
 #include "sph/forces/motion.hpp"
 #include "sph/forces/skin_friction.hpp"
 #include "sph/forces/wall_contact.hpp"
@@ -60,6 +61,7 @@ void IsphStep::start(SolidVolumes volumes) {
     }
     distribute_liquid();
     distribute_solids();
+    if (!(before_ > 0)) begin_motion();
     if (volumes == SolidVolumes::keep) return;
     bodies_.mark_start(solid_);
     bodies_.set_velocities(solid_);
@@ -142,7 +144,6 @@ void IsphStep::refresh() {
 
 // (S4), for the liquid.
 void IsphStep::accelerate(StepReport& report, double dt) {
-    bodies_.rigid.begin(dt);
     bodies_.set_velocities(solid_);
     report.viscous_loads = apply_forces(parts(), explicit_forces_, dt, bodies_.moment_reference_points());
     apply_skin_friction(
@@ -250,16 +251,71 @@ void IsphStep::move(StepReport& report, double dt) {
     collect(report);
 }
 
-// One hybrid ISPH step, collective. Tags: src/sph/README.md.
+void IsphStep::begin_motion() {
+    begin_velocities(liquid_, 0);
+    end_motion_.start(middle_motion());
+}
+
+flow::EndMotion::Middle IsphStep::middle_motion() const {
+    return {measure_momentum(comm_, liquid_, setup_.constants), bodies_.rigid.free_momenta()};
+}
+
+// (E)
+void IsphStep::end_motion(const flow::StepTimes& times) {
+    end_velocities(liquid_, times);
+    end_motion_.record(
+        middle_motion(), bodies_.rigid.impact_momenta(), times);
+    bodies_.rigid.set_lead(end_motion_.lead());
+    before_ = times.drift;
+}
+
+std::vector<double> IsphStep::history() const {
+    std::vector<double> out{before_};
+    const auto motion = end_motion_.state();
+    out.insert(out.end(), motion.begin(), motion.end());
+    if (!inflow_) return out;
+    const auto inflow = inflow_->state();
+    out.insert(out.end(), inflow.begin(), inflow.end());
+    return out;
+}
+
+void IsphStep::restore_history(std::span<const double> state) {
+    before_ = state[0];
+    state = state.subspan(1);
+    end_motion_.restore(state, bodies_.rigid.size());
+    if (!inflow_) return;
+    const auto inflow = state.subspan(end_motion_.state().size());
+    inflow_->restore({inflow.begin(), inflow.end()});
+}
+
+LiquidTotals IsphStep::totals() const {
+    auto out = measure_totals(comm_, liquid_, setup_.constants, setup_.forces.gravity, liquid_.end_velocity());
+    std::copy_n(end_motion_.liquid().begin(), 3, out.momentum.begin());
+    std::copy_n(end_motion_.liquid().begin() + 3, 3, out.angular_momentum.begin());
+    return out;
+}
+
+void IsphStep::emit() {
+    if (!inflow_) return;
+    const int before = liquid_.store.owned();
+    inflow_->emit(liquid_, decomposition_);
+    begin_velocities(liquid_, before);
+}
+
+// One hybrid ISPH step, collective. Velocities are those of the middles of steps: forces act from one to the next, and move
+// the particles by the step. Tags: src/sph/README.md.
 StepReport IsphStep::advance(double dt) {
     StepReport report;
     report.dt = dt;
+    const flow::StepTimes times{0.5 * (before_ + dt), dt, !(before_ > 0)};
+    const double kick = times.kick;
     {
         const auto phase = timers_.scope("sort");
-        if (inflow_) inflow_->emit(liquid_, decomposition_);
+        emit();
         distribute_liquid();
         rebalance();
         if (bodies_.any_moves()) distribute_solids();
+        note_velocities(liquid_);
     }
     {
         const auto phase = timers_.scope("neighbours");
@@ -269,20 +325,21 @@ StepReport IsphStep::advance(double dt) {
         const auto phase = timers_.scope("density");
         update_density(report); // (S1)-(S3)
     }
-    pressure_.remove_divergence(pressure_parts(), report, dt);
+    pressure_.remove_divergence(pressure_parts(), report, kick);
     {
         const auto phase = timers_.scope("forces");
-        accelerate(report, dt); // (S4)
+        bodies_.rigid.begin(dt);
+        accelerate(report, kick); // (S4)
     }
-    if (viscosity_) apply_viscosity(report, dt);
+    if (viscosity_) apply_viscosity(report, kick);
     {
         const auto phase = timers_.scope("forces");
-        accelerate_bodies(report, dt);
+        accelerate_bodies(report, kick);
     }
-    pressure_.solve(pressure_parts(), report, dt); // (S5)-(S7) or (IS1)
+    pressure_.solve(pressure_parts(), report, kick); // (S5)-(S7) or (IS1)
     {
         const auto phase = timers_.scope("pressure force");
-        push_by_pressure(report, dt);
+        push_by_pressure(report, kick);
     }
     if (setup_.options.pressure.recovers_positions()) {
         const auto phase = timers_.scope("solve");
@@ -291,6 +348,7 @@ StepReport IsphStep::advance(double dt) {
     {
         const auto phase = timers_.scope("move");
         move(report, dt);
+        end_motion(times);
     }
     return report;
 }

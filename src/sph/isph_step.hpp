@@ -1,5 +1,6 @@
 #pragma once
 #include "base/timers.hpp"
+#include "flow/end_motion.hpp"
 #include "mpi/load_balance.hpp"
 #include "mpi/migration.hpp"
 #include "sph/forces/forces.hpp"
@@ -62,11 +63,11 @@ public:
     // The bodies as a checkpoint has them; before start() or restore().
     void restore_bodies(std::span<const double> state) { bodies_.rigid.restore(state); }
     std::vector<std::int64_t> decomposition_state() const;
-    // The inlets as a checkpoint has them, empty without; before start() or restore().
-    std::vector<double> inflow_state() const { return inflow_ ? inflow_->state() : std::vector<double>{}; }
-    void restore_inflow(const std::vector<double>& state) {
-        if (inflow_) inflow_->restore(state);
-    }
+    // The last step and the inlets as a checkpoint has them; before start() or restore(), after restore_bodies().
+    std::vector<double> history() const;
+    void restore_history(std::span<const double> state);
+    // Of the liquid at the end of the last step, collective.
+    LiquidTotals totals() const;
     // Particles that flowed in since the start of the run, over all ranks.
     std::int64_t emitted() const { return inflow_ ? inflow_->emitted() : 0; }
 
@@ -89,6 +90,7 @@ public:
     std::size_t bytes() const;
 
 private:
+    void emit();
     void rebalance();
     void repartition();
     void distribute_liquid();
@@ -103,6 +105,9 @@ private:
     void push_by_pressure(StepReport& report, double dt);
     void move(StepReport& report, double dt);
     void collect(StepReport& report);
+    void begin_motion();
+    void end_motion(const flow::StepTimes& times);
+    flow::EndMotion::Middle middle_motion() const;
     StepContext parts();
     PressureParts pressure_parts();
     double solid_speed()
@@ -127,6 +132,8 @@ private:
     Bodies bodies_;
     StepPressure pressure_;
     PhaseTimers timers_;
+    double before_ = 0; // [s] the last step, 0 before the first one
+    flow::EndMotion end_motion_;
 };
 
 } // namespace treacle::sph

@@ -13,7 +13,7 @@ std::vector<std::string> SphSimulation::fill(const Geometry& geometry) {
 
 void SphSimulation::restore(const RestartState& state) {
     solver_->restore_bodies(state.bodies);
-    if (!state.history.empty()) solver_->restore_inflow(state.history);
+    solver_->restore_history(state.history);
     if (state.decomposition.empty()) {
         solver_->start(sph::IsphStep::SolidVolumes::keep);
     } else {
@@ -22,7 +22,7 @@ void SphSimulation::restore(const RestartState& state) {
 }
 
 RestartState SphSimulation::state() const {
-    return {solver_->decomposition_state(), solver_->bodies().state(), solver_->inflow_state()};
+    return {solver_->decomposition_state(), solver_->bodies().state(), solver_->history()};
 }
 
 StepDiagnostics SphSimulation::advance(double dt) {
@@ -55,14 +55,13 @@ std::vector<std::string> SphSimulation::phases() const {
 }
 
 LiquidTotals SphSimulation::totals() const {
-    return sph::measure_totals(
-        solver_->comm(), solver_->liquid(), solver_->setup().constants, solver_->setup().forces.gravity);
+    return solver_->totals();
 }
 
 LiquidView SphSimulation::view() const {
     const auto& liquid = solver_->liquid();
     const auto& constants = solver_->setup().constants;
-    return {liquid.position(), liquid.velocity(), liquid.liquid(), liquid.store.owned(), constants.spacing,
+    return {liquid.position(), liquid.end_velocity(), liquid.liquid(), liquid.store.owned(), constants.spacing,
         constants.support, constants.rest_volume, liquid.has_inlets() ? liquid.inlet() : Array<int>()};
 }
 

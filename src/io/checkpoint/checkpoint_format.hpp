@@ -12,7 +12,7 @@
 namespace treacle::io::checkpoint {
 
 inline const std::string format = "treacle checkpoint";
-inline constexpr std::int64_t format_version = 3;
+inline constexpr std::int64_t format_version = 4;
 
 // Sum over all words of a mixture of value and place: parts of an array can be summed on different ranks and
 // added, and still a change, an exchange or a loss of values shows. The mixture is the finaliser of

@@ -13,7 +13,7 @@ DistanceBound NearbyDistance::bound_at(const Vec3& x) const {
     DistanceBound out;
     for (std::size_t i = 0; i < std::min(count_, known_.size()) && (i < nearest || out.sign == 0); ++i) {
         const Known& known = known_[(count_ - 1 - i) % known_.size()];
-        const double way = length(x - known.place), there = std::abs(known.distance);
+        const double way = length(x - known.position), there = std::abs(known.distance);
         out.at_most = std::min(out.at_most, (1 + slack) * (there + way));
         if ((1 + slack) * way < there) out.sign = known.distance < 0 ? -1 : 1;
     }

@@ -6,8 +6,8 @@
 
 namespace treacle::scene {
 
-// Signed distances of a region at places that follow each other closely, the same bit for bit as
-// SolidRegion::distance(). A distance changes by no more than the way between two places, so that those found last bound
+// Signed distances of a region at positions that follow each other closely, the same bit for bit as
+// SolidRegion::distance(). A distance changes by no more than the way between two positions, so that those found last bound
 // the next one, and tell its sign where no surface can be between: of meshes the sign is most of the cost.
 class NearbyDistance {
 public:
@@ -19,7 +19,7 @@ private:
     DistanceBound bound_at(const Vec3& x) const;
 
     struct Known {
-        Vec3 place{0, 0, 0}; // [m]
+        Vec3 position{0, 0, 0}; // [m]
         double distance = 0; // [m]
     };
     const SolidRegion* region_;

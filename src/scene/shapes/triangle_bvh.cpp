@@ -47,7 +47,7 @@ std::array<double, 3> closest_weights(const Triangle& t, const Vec3& x) {
 
 Vec3 combine(const Triangle& t, const std::array<double, 3>& w) { return w[0] * t[0] + w[1] * t[1] + w[2] * t[2]; }
 
-// Sum of angles in (-pi, pi], each given by a complex number of that argument: their product, and the turns that its
+// Sum of angles in (-pi, pi], each given by a complex number of that argument: their product, and the wraps that its
 // argument has lost, in place of an arc tangent for each.
 class AngleSum {
 public:
@@ -56,18 +56,18 @@ public:
         const double size = std::abs(re) + std::abs(im);
         if (!(size > 0)) return;
         const double real = (re_ * re - im_ * im) / size, imaginary = (re_ * im + im_ * re) / size;
-        if (im_ >= 0 && im >= 0 && imaginary < 0) ++turns_;
-        if (im_ < 0 && im < 0 && imaginary >= 0) --turns_;
+        if (im_ >= 0 && im >= 0 && imaginary < 0) ++wraps_;
+        if (im_ < 0 && im < 0 && imaginary >= 0) --wraps_;
         const bool small = std::abs(real) + std::abs(imaginary) < least;
         re_ = small ? real / least : real;
         im_ = small ? imaginary / least : imaginary;
     }
-    double turns() const { return turns_ + std::atan2(im_, re_) / (2 * std::numbers::pi); } // the sum / 2 pi
+    double revolutions() const { return wraps_ + std::atan2(im_, re_) / (2 * std::numbers::pi); } // the sum / 2 pi
 
 private:
     static constexpr double least = 1e-100; // each factor is between 0.7 and 1
     double re_ = 1, im_ = 0;
-    int turns_ = 0;
+    int wraps_ = 0;
 };
 
 // Adds half of the solid angle of a triangle (van Oosterom and Strackee 1983).
@@ -238,7 +238,7 @@ double TriangleBvh::winding(const Vec3& x) const {
             stack[depth++] = node.first + 1;
         }
     }
-    return dipoles + angles.turns();
+    return dipoles + angles.revolutions();
 }
 
 double TriangleBvh::first_hit(const Vec3& origin, const Vec3& direction, double skip) const {

@@ -86,15 +86,14 @@ std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& 
     return lost;
 }
 
-LiquidTotals measure_totals(
-    const Comm& comm, const LiquidParticles& liquid, const Constants& constants, const std::array<double, 3>& gravity) {
-    const auto x = liquid.position(), u = liquid.velocity();
+namespace {
+// Momentum and angular momentum of this rank's particles, over the mass of one of relative density 1.
+std::array<double, 6> sum_momentum(const LiquidParticles& liquid, const Constants& constants, const Array3& velocity) {
+    const auto x = liquid.position(), u = velocity;
     const auto relative = relative_density(constants, liquid);
-    const double gx = gravity[0], gy = gravity[1], gz = gravity[2];
-    double p[3] = {0, 0, 0}, l[3] = {0, 0, 0}, weight = 0, speed2 = 0, potential = 0, fastest = 0;
-    const int n = liquid.store.owned();
+    double p[3] = {0, 0, 0}, l[3] = {0, 0, 0};
     Kokkos::parallel_reduce(
-        "treacle::momentum", n,
+        "treacle::momentum", liquid.store.owned(),
         KOKKOS_LAMBDA(int i, double& px, double& py, double& pz, double& lx, double& ly, double& lz) {
             const double m = relative(i);
             px += m * u(i, 0);
@@ -105,6 +104,24 @@ LiquidTotals measure_totals(
             lz += m * (x(i, 0) * u(i, 1) - x(i, 1) * u(i, 0));
         },
         p[0], p[1], p[2], l[0], l[1], l[2]);
+    return {p[0], p[1], p[2], l[0], l[1], l[2]};
+}
+} // namespace
+
+std::array<double, 6> measure_momentum(const Comm& comm, const LiquidParticles& liquid, const Constants& constants) {
+    auto out = sum_momentum(liquid, constants, liquid.velocity());
+    comm.sum(std::span<double>(out));
+    for (double& sum : out) sum *= constants.mass;
+    return out;
+}
+
+LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
+    const std::array<double, 3>& gravity, const Array3& velocity) {
+    const auto x = liquid.position(), u = velocity;
+    const auto relative = relative_density(constants, liquid);
+    const double gx = gravity[0], gy = gravity[1], gz = gravity[2];
+    double weight = 0, speed2 = 0, potential = 0, fastest = 0;
+    const int n = liquid.store.owned();
     Kokkos::parallel_reduce(
         "treacle::energy", n,
         KOKKOS_LAMBDA(int i, double& mass, double& kinetic, double& height, double& most) {
@@ -115,7 +132,8 @@ LiquidTotals measure_totals(
             most = math::max(most, s2);
         },
         weight, speed2, potential, Kokkos::Max<double>(fastest));
-    double sums[10] = {double(n), p[0], p[1], p[2], l[0], l[1], l[2], speed2, potential, weight};
+    const auto p = sum_momentum(liquid, constants, velocity);
+    double sums[10] = {double(n), p[0], p[1], p[2], p[3], p[4], p[5], speed2, potential, weight};
     comm.sum(std::span<double>(sums));
     const double mass = constants.mass;
     LiquidTotals out;

@@ -28,8 +28,10 @@ DepartureCounts move_particles(const DomainBox& domain, LiquidParticles& liquid,
 // finite, and returns them with their causes. Checks every particle on the host: losses are rare.
 std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& liquid);
 
-// Totals of the owned particles, summed over the ranks.
-LiquidTotals measure_totals(
-    const Comm& comm, const LiquidParticles& liquid, const Constants& constants, const std::array<double, 3>& gravity);
+// Totals of the owned particles, summed over the ranks, with these of their velocities [m/s].
+LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
+    const std::array<double, 3>& gravity, const Array3& velocity);
+// Momentum [kg m/s] and angular momentum about the origin [kg m2/s], by velocity(), summed over the ranks.
+std::array<double, 6> measure_momentum(const Comm& comm, const LiquidParticles& liquid, const Constants& constants);
 
 } // namespace treacle::sph

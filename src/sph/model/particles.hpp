@@ -14,7 +14,9 @@ enum Role : int {
 class LiquidParticles {
 public:
     LiquidParticles()
-        : velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
+        : velocity_(store.add<Array3>("mid_step_velocity", "m/s", FieldRole::state)),
+          end_velocity_(store.add<Array3>("velocity", "m/s", FieldRole::state, true)),
+          rate_(store.add<Array3>("rate", "m/s2", FieldRole::state)),
           pressure_(store.add<Array<double>>("pressure", "Pa", FieldRole::state, true)),
           liquid_(store.add<Array<int>>("liquid", "", FieldRole::state, true)),
           viscosity_(store.add<Array<double>>("viscosity", "Pa s", FieldRole::state, true)),
@@ -41,7 +43,9 @@ public:
     // Fields [particles] or [particles][3]: owned particles, then ghosts with what was gathered last.
     const Array3& position() const { return store.position(); }  // [m]
     const Array<std::int64_t>& id() const { return store.id(); } // the same from step to step, on any number of ranks
-    const Array3& velocity() const { return store.get<Array3>(velocity_); }               // [m/s]
+    const Array3& velocity() const { return store.get<Array3>(velocity_); }         // of the middle of the last step [m/s]
+    const Array3& end_velocity() const { return store.get<Array3>(end_velocity_); } // of its end, end_velocity.hpp [m/s]
+    const Array3& rate() const { return store.get<Array3>(rate_); }                 // of velocity() by the last step [m/s2]
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // [Pa]
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); } // number of its liquid, from 0
     // Used with ForceOptions::by_particle; otherwise a copy of the liquid's, for frames [Pa s].
@@ -78,7 +82,7 @@ public:
     int component_field() const { return component_; }
 
 private:
-    int velocity_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
+    int velocity_, end_velocity_, rate_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
         response_, acceleration_, role_, row_, component_;
     int inlet_ = -1;
 };

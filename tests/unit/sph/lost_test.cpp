@@ -141,7 +141,7 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     LiquidParticles liquid;
     SolidParticles solid;
     put(comm, sample, liquid, solid);
-    const auto totals = measure_totals(comm, liquid, sample.setup.constants, {0, 0, -9.81});
+    const auto totals = measure_totals(comm, liquid, sample.setup.constants, {0, 0, -9.81}, liquid.velocity());
     EXPECT_EQ(totals.particles, std::int64_t(sample.liquid.size()));
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_NEAR(totals.momentum[k], p[k], 1e-12 * m * 96);
@@ -152,7 +152,7 @@ TEST(Totals, AreSumsOverTheParticlesOfAllRanks) {
     EXPECT_NEAR(totals.potential_energy, potential, 1e-12 * potential);
     EXPECT_NEAR(totals.max_speed, fastest, 1e-14 * fastest);
     const LiquidParticles none;
-    EXPECT_EQ(measure_totals(comm, none, sample.setup.constants, {0, 0, -9.81}).max_speed, 0);
+    EXPECT_EQ(measure_totals(comm, none, sample.setup.constants, {0, 0, -9.81}, none.velocity()).max_speed, 0);
 }
 
 } // namespace treacle::sph::lost_test

@@ -1,0 +1,16 @@
+#pragma once
+#include "flow/end_motion.hpp"
+#include "sph/model/particles.hpp"
+
+namespace treacle::sph {
+
+// (E) Velocities at the ends of steps, flow/end_motion.hpp. Of the owned particles; local.
+
+// As at rest, from particle `begin` on: end_velocity() is velocity(), rate() is 0.
+void begin_velocities(const LiquidParticles& liquid, int begin);
+// Before a step changes velocity(): notes it, in end_velocity().
+void note_velocities(const LiquidParticles& liquid);
+// After it: end_velocity() from velocity(), what was noted, and rate(), which is brought up to date.
+void end_velocities(const LiquidParticles& liquid, const flow::StepTimes& times);
+
+} // namespace treacle::sph
