@@ -1,0 +1,211 @@
+"""Rows of `device` on whole steps of four scenes: the host's share, phases beside an older program, ranks beside threads."""
+
+import dataclasses
+import os
+import pathlib
+import re
+
+import numpy
+
+from .house_results import CLOCKS
+from .run import RunFolder, built, execute, launched, scratch
+from .sph_cost import dam_break
+from .table import CommandFailed, Figure, Unmeasured
+
+LEAST_SHARE = 0.01 # of a step, of phases that are judged: shorter ones are the clock's noise
+PAIRS, QUICK_PAIRS = 5, 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Scene:
+    """A scene of inputs with what is set in it; steps from `settled` on count. short: with --quick."""
+
+    name: str
+    settings: dict
+    short: dict
+    settled: float  # [s]
+    settled_short: float
+
+
+SCENES = (
+    Scene("dam_break", {"time.end": 0.3}, {"time.end": 0.1}, 0.05, 0.05),
+    Scene("viscous_bunny", {"time.end": 0.3}, {"domain.spacing": 0.012, "time.end": 0.2}, 0.15, 0.15),
+    Scene("honey_dipper", {"time.end": 0.3}, {"domain.spacing": 0.008, "time.end": 0.1}, 0.02, 0.02),
+    Scene("gears", {"time.end": 0.3}, {"time.end": 0.06}, 0.015, 0.015),
+)
+WHOLE = {"gears": 0.6}  # times the step before; of the others only phases are asked for
+CUBE = """schema_version: 1
+domain: {{min: [0, 0, 0], max: [1, 1, 0.75], spacing: {spacing}, boundaries: {{z_min: {{slip: no_slip}}}}}}
+liquids: [{{name: honey, density: 1000, viscosity: 1000, shapes: [{{box: {{min: [0.25, 0.25, 0], max: [0.75, 0.75, 0.5]}}}}]}}]
+time: {{end: 0.01, rule: fixed, step: 1 ms}}
+"""
+
+
+@dataclasses.dataclass(frozen=True)
+class Timed:
+    """Mean seconds of a step by phase."""
+
+    phases: dict
+    steps: int
+
+    @property
+    def step(self):
+        return sum(self.phases.values())
+
+
+def phases_of(steps):
+    """Columns that hold seconds of a computer."""
+    return [name for name, title in zip(steps.names(), steps.header) if title.endswith("[s]") and name not in CLOCKS]
+
+
+def timed(run, settled):
+    steps = run.steps()
+    late = steps["time"] > settled
+    if not late.any():
+        raise CommandFailed(f"{run.folder}: no step after {settled} s")
+    return Timed({phase: float(steps[phase][late].mean()) for phase in phases_of(steps)}, int(late.sum()))
+
+
+def run_program(context, program, scene, folder, settings, *, ranks=1, env=None):
+    words = [word for key, value in {"output.interval": 0, **settings}.items() for word in ("--set", f"{key}={value}")]
+    done = execute(context, launched(ranks, [program, "run", scene, "--out", folder, "--overwrite", *words]), env=env, timeout=4 * 3600)
+    return RunFolder(folder, done)
+
+
+def input_of(context, scene):
+    return context.root / "inputs" / scene.name / "scene.yaml"
+
+
+def settings_of(context, scene):
+    return scene.short if context.quick else scene.settings
+
+
+def start_of(context, scene):
+    return scene.settled_short if context.quick else scene.settled
+
+
+def compiled_clock(context, folder):
+    """A library that sums the time in kernels, for Kokkos' interface to tools."""
+    library = folder / "kernel_clock.so"
+    execute(context, ["c++", "-O2", "-shared", "-fPIC", pathlib.Path(__file__).with_name("kernel_clock.cpp"), "-o", library])
+    return library
+
+
+def in_kernels(run):
+    """Seconds of a whole run, and the kernels in them."""
+    found = re.search(r"kernels: (\d+) in ([0-9.]+) s", run.finished.output)
+    if not found:
+        raise Unmeasured("this build's Kokkos loads no KOKKOS_PROFILE_LIBRARY")
+    return float(found[2]), int(found[1])
+
+
+def all_phases(run):
+    steps = run.steps()
+    return sum(float(steps[phase].sum()) for phase in phases_of(steps)), len(steps)
+
+
+def host_share(context, scene, library, folder):
+    """Difference of a long run and one to `settled`, so that neither start nor first steps count; (share, kernels a step)."""
+    env = {"KOKKOS_PROFILE_LIBRARY": str(library), "KOKKOS_TOOLS_LIBS": str(library)}
+    ends = (start_of(context, scene), settings_of(context, scene)["time.end"])
+    found = []
+    for end in ends:
+        run = run_program(context, built(context, "treacle"), input_of(context, scene), folder / scene.name,
+                          {**settings_of(context, scene), "time.end": end, **device_settings(scene)}, env=env)
+        found.append((*in_kernels(run), *all_phases(run)))
+    kernels, number, phases, steps = numpy.subtract(found[1], found[0])
+    return 1 - kernels / phases, number / steps
+
+
+def device_settings(scene):
+    """The smoother of devices, where a key chooses it."""
+    return {} if scene.name in ("honey_dipper", "gears") else {"method.pressure.multilevel.smoother": "chebyshev"}
+
+
+def host_shares(context):
+    parts, ok = [], True
+    with scratch(context, "shares") as folder:
+        library = compiled_clock(context, folder)
+        for scene in SCENES:
+            share, number = host_share(context, scene, library, folder)
+            ok = ok and share <= 0.03
+            parts.append(f"{scene.name} {100 * share:.1f} % ({number:.0f} kernels a step)")
+    return Figure("outside of kernels on one rank: " + ", ".join(parts), ok)
+
+
+def ratios(before, now):
+    """{phase: ratio} of the phases that take long enough to be judged, and "step" of all together."""
+    longest = {name: max(seconds, now.phases.get(name, 0)) for name, seconds in before.phases.items()}
+    found = {name: now.phases[name] / before.phases[name] for name in before.phases
+             if name in now.phases and before.phases[name] > 0 and longest[name] >= LEAST_SHARE * before.step}
+    return {**found, "step": now.step / before.step}
+
+
+def paired(context, scene, programs, folder):
+    """Median ratios of pairs of runs in turn, since others on the machine weigh on single ones."""
+    found = []
+    for _ in range(QUICK_PAIRS if context.quick else PAIRS):
+        pair = [timed(run_program(context, program, input_of(context, scene), folder / scene.name, settings_of(context, scene)),
+                      start_of(context, scene)) for program in programs]
+        found.append(ratios(*pair))
+    return {name: float(numpy.median([one[name] for one in found if name in one])) for name in found[0]}
+
+
+def phases(context):
+    programs = (context.peer("before").resolve(), built(context, "treacle"))
+    parts, ok = [], True
+    with scratch(context, "phases") as folder:
+        for scene in SCENES:
+            found = paired(context, scene, programs, folder)
+            whole = found.pop("step")
+            worst = max(found, key=found.get)
+            ok = ok and found[worst] <= 1.03 and whole <= WHOLE.get(scene.name, 1.03)
+            parts.append(f"{scene.name} {whole:.2f} (" + ", ".join(f"{name} {ratio:.2f}" for name, ratio in found.items()) + ")")
+    return Figure(f"medians of {QUICK_PAIRS if context.quick else PAIRS} pairs on one rank: " + "; ".join(parts), ok)
+
+
+def threaded_program(context):
+    """Of the witness: --peer openmp=PATH, or what tools/witness has built."""
+    if "openmp" in context.peers:
+        return context.peers["openmp"].resolve()
+    found = [path for path in sorted((context.root / "build/openmp").rglob("treacle")) if path.is_file() and os.access(path, os.X_OK)]
+    if found:
+        return found[0]
+    source = os.environ.get("KOKKOS_SOURCE")
+    raise Unmeasured("needs KOKKOS_SOURCE=DIR tools/witness, or --peer openmp=PATH" if not source else
+                     "needs build/openmp: tools/witness builds it, KOKKOS_SOURCE is set")
+
+
+def threaded_cases(context, folder):
+    """(name, scene file, settings, first time that counts [s]) of the four scenes of ranks beside threads."""
+    water, cube = folder / "dam_break.yaml", folder / "cube.yaml"
+    water.write_text(dam_break(60_000 if context.quick else 300_000))
+    cube.write_text(CUBE.format(spacing=0.5 / (24 if context.quick else 58)))
+    yield "dam break", water, {"time.end": 0.05, "method.pressure.multilevel.smoother": "chebyshev"}, 0.01
+    yield "viscous cube", cube, {}, 0.001
+    for scene in SCENES[2:]:
+        yield scene.name, input_of(context, scene), settings_of(context, scene), start_of(context, scene)
+
+
+def threads(context):
+    program = threaded_program(context)
+    parts, ok = [], True
+    with scratch(context, "threads") as folder:
+        for name, scene, settings, start in threaded_cases(context, folder):
+            both = [timed(run_program(context, program, scene, folder / "run", settings, ranks=ranks,
+                                      env={"OMP_NUM_THREADS": str(2 // ranks)}), start) for ranks in (2, 1)]
+            found = ratios(*both)
+            whole, worst = found.pop("step"), max(found.values())
+            ok = ok and worst <= 1.15 and whole <= 1.1
+            parts.append(f"{name} {whole:.2f} (" + ", ".join(f"{phase} {ratio:.2f}" for phase, ratio in found.items()) + ")")
+    return Figure("1 rank x 2 threads over 2 ranks x 1: " + "; ".join(parts), ok)
+
+
+def add_rows(table):
+    four = "dam break, viscous bunny, honey dipper, gears"
+    table.row("host share", claim=f"share of one core's step outside of kernels, {four}; by Kokkos' interface to tools",
+              asked="<= 3 % in all four")(host_shares)
+    table.row("ranks and threads", claim="1 rank x 2 threads beside 2 ranks x 1 thread: dam break of 300k, viscous cube of 195k, honey dipper, gears",
+              asked="each phase <= 1.15 times, the whole step <= 1.1 times")(threads)
+    table.row("phases", claim=f"Serial back end, {four}, pairs with the program before, --peer before=PATH; phases of 1 % of a step and more",
+              asked="each <= 1.03 times; gears' whole step <= 0.6 times")(phases)
