@@ -28,25 +28,27 @@ PLANTED = "void planted(const double* x, int particles) {\n    for (int i = 0; i
 class Allowed:
     path: str
     function: str
+    loops: int
     why: str
 
 
 def allowed(text):
-    """Entries of the list of loops that may stay: PATH | FUNCTION, FUNCTION | why."""
+    """Entries of the list of loops that may stay: PATH | FUNCTION, FUNCTION 2 | why."""
     found = []
     for line in text.splitlines():
         if line.strip() and not line.startswith("#"):
             path, names, why = (part.strip() for part in line.split("|"))
-            found += [Allowed(path, name.strip(), why) for name in names.split(",")]
+            for name, _, count in (entry.strip().partition(" ") for entry in names.split(",")):
+                found.append(Allowed(path, name, int(count or 1), why))
     return found
 
 
 def judged(found, entries):
-    """Loops that the list does not let pass, and its entries without a loop."""
-    known = {(one.path, one.function) for one in entries}
-    there = {(one.path, one.function) for one in found}
-    left = [one for one in found if (one.path, one.function) not in known]
-    return left, [one for one in entries if (one.path, one.function) not in there]
+    """Loops of functions that have more of them than the list lets pass, and its entries that let more pass than there are."""
+    known = {(one.path, one.function): one.loops for one in entries}
+    there = collections.Counter((one.path, one.function) for one in found)
+    left = [one for one in found if there[one.path, one.function] > known.get((one.path, one.function), 0)]
+    return left, [one for one in entries if there[one.path, one.function] < one.loops]
 
 
 def host_loops(context):
@@ -61,7 +63,7 @@ def host_loops(context):
     blind = len(loops.host_loops(PLANTED)) != 1
     text = f"{len(left)} loops over particles, cells, rows or faces on the host, in {len({one.path for one in left})} files (" + ", ".join(
         f"{folder} {count}" for folder, count in folders.most_common()) + f"), {len(found) - len(left)} that may stay ({where})"
-    text += f"; listed without a loop: {some(f'{one.path} {one.function}' for one in stale)}" if stale else ""
+    text += f"; more on the list than there are: {some(f'{one.path} {one.function}' for one in stale)}" if stale else ""
     return Figure(text + ("; THE CHECK IS BLIND to a planted loop" if blind else ""), not left and not stale and not blind)
 
 

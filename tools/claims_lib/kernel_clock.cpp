@@ -35,6 +35,7 @@ void kokkosp_end_parallel_reduce(std::uint64_t) { end(); }
 void kokkosp_begin_parallel_scan(const char*, std::uint32_t, std::uint64_t* number) { begin(number); }
 void kokkosp_end_parallel_scan(std::uint64_t) { end(); }
 void kokkosp_finalize_library() {
-    std::fprintf(stderr, "kernels: %llu in %.6f of %.6f s\n", static_cast<unsigned long long>(kernels), seconds, processor_time());
+    std::fprintf(stderr, "kernels: %llu in %.6f of %.6f s\n", static_cast<unsigned long long>(kernels), seconds,
+        processor_time());
 }
 }

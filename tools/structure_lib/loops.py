@@ -13,8 +13,8 @@ UNNAMED = "__anon"  # what ctags calls namespaces and functions without a name
 NAMESPACES = ("treacle", "solve", "sph", "grid")
 # Loops over a few things, whatever the number of particles: axes, corners, bodies, liquids, levels, arrays by name, entries of one row.
 FEW_BOUNDS = re.compile(
-    r"^$|^chang\w+$|-- ?> 0$"
-    r"|[<>]=? ?(?:-?\d|[MDs]\b|small\.s\b|[\w.>-]*(?:dimensions|corners|sides|levels|layers|sweeps|passes|lanes|width|depth|images|third|waves|"
+    r"^$|^chang\w+$"
+    r"|<=? ?(?:-?\d+(?:$| &&)|\d \* \w*dimensions|[MDs]\b|small\.s\b|[\w.>-]*(?:dimensions|corners|sides|levels|layers|sweeps|passes|lanes|width|depth|images|third|waves|"
     r"steps|iterations|liquids|parts|used|support_cells|sub_cells)_?(?:\(\)|\[\d\])?$)"
     r"|< ?[\w.()>-]*(?:bodies|rigid|loads|curves|inlets|groups|labels|slip|lengths|of_liquids|causes|modes|motion|shadows|rheology)_?(?:\.size\(\))?$"
     r"|\b\w*(?:offsets?|first|last)\w*[\[(](?!rows)[\w. +]+[\])]$|^\w+ < end$")

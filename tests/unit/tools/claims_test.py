@@ -111,12 +111,12 @@ class Claims(unittest.TestCase):
         self.assertEqual((2, ("A.c",), {"worst": "1e-5"}), (report.ran, report.failed, report.properties))
         self.assertFalse(report.ok)
 
-    def test_loops_of_the_host_are_those_of_no_entry_and_entries_without_a_loop_are_told(self):
-        entries = device_sources.allowed("# A list\n\nsrc/a.cpp | A::write, seed | output\nsrc/b.cpp | gone | contacts\n")
-        found = [loops.Loop("src/a.cpp", 1, name, "") for name in ("A::write", "A::solve", "seed")]
+    def test_loops_of_the_host_are_those_beyond_the_list_and_entries_without_a_loop_are_told(self):
+        entries = device_sources.allowed("# A list\n\nsrc/a.cpp | A::write 2, seed | output\nsrc/b.cpp | gone | contacts\n")
+        found = [loops.Loop("src/a.cpp", 1, name, "") for name in ("A::write", "A::write", "A::solve", "seed", "seed")]
         left, stale = device_sources.judged(found, entries)
-        self.assertEqual(["A::solve"], [one.function for one in left])
-        self.assertEqual([("src/b.cpp", "gone", "contacts")], [(one.path, one.function, one.why) for one in stale])
+        self.assertEqual(["A::solve", "seed", "seed"], [one.function for one in left])
+        self.assertEqual([("src/b.cpp", "gone", 1, "contacts")], [(one.path, one.function, one.loops, one.why) for one in stale])
 
     def test_iterations_are_the_same_within_one_of_those_on_one_rank(self):
         self.assertTrue(device_solves.same({1: 8, 2: 9, 4: 7}))

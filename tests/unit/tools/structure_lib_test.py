@@ -87,7 +87,8 @@ class StructureLib(unittest.TestCase):
         few = ("int k = 0; k < 3; ++k", "int a = 0; a < grid.dimensions; ++a", "std::size_t b = 0; b < bodies.size(); ++b",
                "Index k = offsets[i]; k < offsets[i + 1]; ++k", "auto* array : {&one, &other}", "const auto& inlet : setup.inlets", ";;")
         many = ("int i = 0; i < particles.store.owned(); ++i", "Index i = 0; i < rows; ++i", "std::size_t i = 0; i < z.size(); ++i",
-                "double& value : z", "const Index column : halo.columns()", "Index k = 0; k < offsets[rows_]; ++k")
+                "double& value : z", "std::size_t i = rows; i-- > 0;",
+                "int r = 0; r < rows() && bodies > 0; ++r", "int i = 0; i < 3 * n; ++i", "const Index column : halo.columns()", "Index k = 0; k < offsets[rows_]; ++k")
         for head in few + many:
             text = f"void f() {{ for ({head}) g(); }}"
             self.assertEqual([head] if head in many else [], [found for _, found in loops.host_loops(text)], head)
