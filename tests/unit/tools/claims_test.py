@@ -125,6 +125,14 @@ class Claims(unittest.TestCase):
         self.assertEqual({"24": {1: 9, 2: 9}}, device_solves.by_size(reports, "iterations_"))
         self.assertEqual({"24": {1: 9, 2: 10}}, device_solves.by_size(reports, "iterations_chebyshev_"))
 
+    def test_the_hosts_share_is_that_between_the_marks_of_steps(self):
+        import numpy
+
+        marks = numpy.array([[90, 0.1, 7], [100, 1, 10], [110, 1.5, 11], [120, 2, 12]])
+        share, kernels = device_steps.share_of_marks(marks, 1)
+        self.assertAlmostEqual(0.5, share)
+        self.assertEqual(10, kernels)
+
     def test_phases_that_take_no_time_are_not_judged(self):
         before, now = device_steps.Timed({"solve": 1.0, "sort": 1e-3}, 5), device_steps.Timed({"solve": 0.5, "sort": 5e-3}, 5)
         found = device_steps.ratios(before, now)
