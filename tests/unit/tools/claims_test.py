@@ -133,6 +133,12 @@ class Claims(unittest.TestCase):
         self.assertAlmostEqual(0.5, share)
         self.assertEqual(10, kernels)
 
+    def test_of_runs_in_turn_the_least_time_of_each_step_counts(self):
+        import numpy
+
+        runs = [{"solve": numpy.array([1.0, 5.0])}, {"solve": numpy.array([3.0, 2.0])}]
+        self.assertEqual(device_steps.Timed({"solve": 1.5}, 2), device_steps.fastest(runs))
+
     def test_phases_that_take_no_time_are_not_judged(self):
         before, now = device_steps.Timed({"solve": 1.0, "sort": 1e-3}, 5), device_steps.Timed({"solve": 0.5, "sort": 5e-3}, 5)
         found = device_steps.ratios(before, now)
