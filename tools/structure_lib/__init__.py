@@ -1,1 +1,1 @@
-"""What tools/check_structure and tools/claims read in the tree: comments, tags, names, declarations, functions, places."""
+"""What tools/check_structure and tools/claims read in the tree: comments, tags, names, declarations, functions, places, loops."""

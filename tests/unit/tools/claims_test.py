@@ -2,16 +2,19 @@
 
 import io
 import json
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 TOOLS = pathlib.Path(__file__).resolve().parents[3] / "tools"
 sys.path.insert(0, str(TOOLS))
 
-from claims_lib import gtest, run, table  # noqa: E402
+from claims_lib import device, device_solves, device_sources, device_steps, gtest, run, table  # noqa: E402
+from structure_lib import loops  # noqa: E402
 
 
 def context(folder, **given):
@@ -107,6 +110,50 @@ class Claims(unittest.TestCase):
             {"name": "d", "status": "NOTRUN"}]}]})
         self.assertEqual((2, ("A.c",), {"worst": "1e-5"}), (report.ran, report.failed, report.properties))
         self.assertFalse(report.ok)
+
+    def test_loops_of_the_host_are_those_beyond_the_list_and_entries_without_a_loop_are_told(self):
+        entries = device_sources.allowed("# A list\n\nsrc/a.cpp | A::write 2, seed | output\nsrc/b.cpp | gone | contacts\n")
+        found = [loops.Loop("src/a.cpp", 1, name, "") for name in ("A::write", "A::write", "A::solve", "seed", "seed")]
+        left, stale = device_sources.judged(found, entries)
+        self.assertEqual(["A::solve", "seed", "seed"], [one.function for one in left])
+        self.assertEqual([("src/b.cpp", "gone", 1, "contacts")], [(one.path, one.function, one.loops, one.why) for one in stale])
+
+    def test_iterations_are_the_same_within_one_of_those_on_one_rank(self):
+        self.assertTrue(device_solves.same({1: 8, 2: 9, 4: 7}))
+        self.assertFalse(device_solves.same({1: 8, 2: 8, 3: 10}))
+        reports = {ranks: gtest.TestReport(1, (), {"iterations_24": "9", "iterations_chebyshev_24": str(8 + ranks)}) for ranks in (1, 2)}
+        self.assertEqual({"24": {1: 9, 2: 9}}, device_solves.by_size(reports, "iterations_"))
+        self.assertEqual({"24": {1: 9, 2: 10}}, device_solves.by_size(reports, "iterations_chebyshev_"))
+
+    def test_the_hosts_share_is_that_between_the_marks_of_steps(self):
+        import numpy
+
+        marks = numpy.array([[90, 0.1, 7], [100, 1, 10], [110, 1.5, 11], [120, 2, 12]])
+        share, kernels = device_steps.share_of_marks(marks, 1)
+        self.assertAlmostEqual(0.5, share)
+        self.assertEqual(10, kernels)
+
+    def test_of_runs_in_turn_the_least_time_of_each_step_counts(self):
+        import numpy
+
+        runs = [{"solve": numpy.array([1.0, 5.0])}, {"solve": numpy.array([3.0, 2.0])}]
+        self.assertEqual(device_steps.Timed({"solve": 1.5}, 2), device_steps.fastest(runs))
+
+    def test_phases_that_take_no_time_are_not_judged(self):
+        before, now = device_steps.Timed({"solve": 1.0, "sort": 1e-3}, 5), device_steps.Timed({"solve": 0.5, "sort": 5e-3}, 5)
+        found = device_steps.ratios(before, now)
+        self.assertEqual({"solve", "step"}, set(found))
+        self.assertAlmostEqual(0.5, found["solve"])
+        self.assertAlmostEqual(0.505 / 1.001, found["step"])
+
+    def test_rows_that_need_what_is_not_there_are_not_measured(self):
+        names = ("ranks and threads", "phases", "same answers, threads", "lines")
+        rows = table.Table("device")
+        rows.rows = [row for row in device.TABLE.rows if row.name in names]
+        with unittest.mock.patch.dict("os.environ"):
+            os.environ.pop("KOKKOS_SOURCE", None)
+            _, _, report = self.run_table(rows)
+        self.assertEqual(["not measured"] * len(names), [row["status"] for row in report["rows"]])
 
     def test_bad_arguments_end_with_exit_code_2(self):
         for arguments in (["nothing"], ["ground", "--row", "no such row"], ["ground", "--peer", "x"],

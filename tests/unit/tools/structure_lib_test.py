@@ -1,4 +1,4 @@
-"""What tools/structure_lib finds in small trees: comments, tags, names, declarations, functions, places."""
+"""What tools/structure_lib finds in small trees: comments, tags, names, declarations, functions, places, loops."""
 
 import pathlib
 import shutil
@@ -9,7 +9,7 @@ import unittest
 TOOLS = pathlib.Path(__file__).resolve().parents[3] / "tools"
 sys.path.insert(0, str(TOOLS))
 
-from structure_lib import declarations, functions, places, sources, tags, vocabulary, words  # noqa: E402
+from structure_lib import declarations, functions, loops, places, sources, tags, vocabulary, words  # noqa: E402
 
 
 class StructureLib(unittest.TestCase):
@@ -82,6 +82,31 @@ class StructureLib(unittest.TestCase):
             root = self.tree({"CONTRIBUTING.md": document.format(symbol, file), "src/a/a.cpp": "void run();\n"})
             entry, = places.entries(root)
             self.assertEqual([f"CONTRIBUTING.md:5: {fault}" for fault in faults], places.faults(root, entry))
+
+    def test_loops_of_kernels_and_over_few_things_are_none_of_the_host(self):
+        few = ("int k = 0; k < 3; ++k", "int a = 0; a < grid.dimensions; ++a", "std::size_t b = 0; b < bodies.size(); ++b",
+               "Index k = offsets[i]; k < offsets[i + 1]; ++k", "auto* array : {&one, &other}", "const auto& inlet : setup.inlets", ";;")
+        many = ("int i = 0; i < particles.store.owned(); ++i", "Index i = 0; i < rows; ++i", "std::size_t i = 0; i < z.size(); ++i",
+                "double& value : z", "std::size_t i = rows; i-- > 0;",
+                "int r = 0; r < rows() && bodies > 0; ++r", "int i = 0; i < 3 * n; ++i", "const Index column : halo.columns()", "Index k = 0; k < offsets[rows_]; ++k")
+        for head in few + many:
+            text = f"void f() {{ for ({head}) g(); }}"
+            self.assertEqual([head] if head in many else [], [found for _, found in loops.host_loops(text)], head)
+            for kernel in (f"KOKKOS_INLINE_FUNCTION {text}", f"void f() {{ run(KOKKOS_LAMBDA(int r) {{ {text} }}); }}"):
+                self.assertEqual([], loops.host_loops(kernel), head)
+
+    def test_a_nest_of_loops_is_one_and_what_stands_behind_a_kernel_is_seen(self):
+        nest = "for (int i = 0; i < rows; ++i) { for (int j = 0; j < rows; ++j) g(i, j); }"
+        self.assertEqual(1, len(loops.host_loops(f"void f() {{ {nest} }}")))
+        self.assertEqual(2, len(loops.host_loops(f"void f() {{ for (int k = 0; k < 3; ++k) {{ {nest} {nest} }} }}")))
+        kernel = "Kokkos::parallel_for(n, KOKKOS_LAMBDA(int i) { for (int k = 0; k < rows; ++k) g(i, k); });"
+        self.assertEqual(1, len(loops.host_loops(f"void f() {{ {kernel} for (int i = 0; i < rows; ++i) h(i); }}")))
+
+    @unittest.skipUnless(shutil.which("ctags"), "needs universal-ctags")
+    def test_loops_have_the_name_of_the_function_around_them(self):
+        root = self.tree({"src/sph/a.cpp": "// for (one)\nvoid A::f() {\n    g([&](int n) {\n        for (int i = 0; i < n; ++i) h(i);\n    });\n}\n"})
+        self.assertEqual([("src/sph/a.cpp", 4, "A::f", "int i = 0; i < n; ++i")],
+                         [(one.path, one.line, one.function, one.head) for one in loops.find(root)])
 
 
 if __name__ == "__main__":
