@@ -14,7 +14,7 @@ struct StepTimes {
     bool first = false; // there was none before
 };
 
-// (E) Velocities at the ends of steps, for what is shown and measured; the methods themselves have those of the middles alone. They
+// Velocities at the ends of steps, for what is shown and measured; the methods themselves have those of the middles alone. They
 // are u + drift/2 (2 a - a_before), the acceleration a = (u - u_before)/kick carried on to the end of the step as it has
 // changed since the step before. Where it jumps, as in an impact, there is no velocity of the end, and u is shown.
 // In the sense of |a - a_before|^2 < fraction (|a|^2 + |a_before|^2):
@@ -46,7 +46,9 @@ public:
     // `impacts`: what impacts of the bodies have made of their change since the last step, and is no rate.
     void record(Middle middle, std::span<const double> impacts, const StepTimes& times);
     const std::array<double, 6>& liquid() const { return end_; }
-    const std::vector<double>& lead() const { return lead_; } // of the bodies' momenta of the end before those of the middle
+    const std::vector<double>& lead() const {
+        return lead_;
+    } // of the bodies' momenta of the end before those of the middle
 
     // All that changes, for as many bodies.
     std::vector<double> state() const;

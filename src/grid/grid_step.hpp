@@ -3,7 +3,6 @@
 #include "base/timers.hpp"
 #include "flow/inflow.hpp"
 #include "flow/outlets.hpp"
-#include "base/liquid_totals.hpp"
 #include "grid/geometry/closed_centres.hpp"
 #include "grid/geometry/level_set.hpp"
 #include "grid/options.hpp"

@@ -260,11 +260,10 @@ flow::EndMotion::Middle IsphStep::middle_motion() const {
     return {measure_momentum(comm_, liquid_, setup_.constants), bodies_.rigid.free_momenta()};
 }
 
-// (E)
+// (S10)
 void IsphStep::end_motion(const flow::StepTimes& times) {
     end_velocities(liquid_, times);
-    end_motion_.record(
-        middle_motion(), bodies_.rigid.impact_momenta(), times);
+    end_motion_.record(middle_motion(), bodies_.rigid.impact_momenta(), times);
     bodies_.rigid.set_lead(end_motion_.lead());
     before_ = times.drift;
 }

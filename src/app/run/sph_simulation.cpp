@@ -54,9 +54,7 @@ std::vector<std::string> SphSimulation::phases() const {
         "move"};
 }
 
-LiquidTotals SphSimulation::totals() const {
-    return solver_->totals();
-}
+LiquidTotals SphSimulation::totals() const { return solver_->totals(); }
 
 LiquidView SphSimulation::view() const {
     const auto& liquid = solver_->liquid();

@@ -8,7 +8,7 @@ namespace treacle::grid {
 using flow::EndMotion;
 using flow::StepTimes;
 
-// Sets end_velocity() and acceleration() of the owned particles, whose velocity() is that of the middle. `change` [window]:
+// (E) Sets end_velocity() and acceleration() of the owned particles, whose velocity() is that of the middle. `change` [window]:
 // what the step made of the velocities of the faces [m/s]. Before the particles move. Local.
 void end_velocities(const MacGrid& grid, const CellBox& window, const FaceField& change, const StepTimes& times,
     const GridParticles& particles);

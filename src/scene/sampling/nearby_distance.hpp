@@ -20,7 +20,7 @@ private:
 
     struct Known {
         Vec3 position{0, 0, 0}; // [m]
-        double distance = 0; // [m]
+        double distance = 0;    // [m]
     };
     const SolidRegion* region_;
     std::array<Known, 128> known_{}; // the last ones, in a ring

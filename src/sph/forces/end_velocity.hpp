@@ -4,7 +4,7 @@
 
 namespace treacle::sph {
 
-// (E) Velocities at the ends of steps, flow/end_motion.hpp. Of the owned particles; local.
+// (S10) Velocities at the ends of steps, flow/end_motion.hpp. Of the owned particles; local.
 
 // As at rest, from particle `begin` on: end_velocity() is velocity(), rate() is 0.
 void begin_velocities(const LiquidParticles& liquid, int begin);

@@ -43,9 +43,11 @@ public:
     // Fields [particles] or [particles][3]: owned particles, then ghosts with what was gathered last.
     const Array3& position() const { return store.position(); }  // [m]
     const Array<std::int64_t>& id() const { return store.id(); } // the same from step to step, on any number of ranks
-    const Array3& velocity() const { return store.get<Array3>(velocity_); }         // of the middle of the last step [m/s]
-    const Array3& end_velocity() const { return store.get<Array3>(end_velocity_); } // of its end, end_velocity.hpp [m/s]
-    const Array3& rate() const { return store.get<Array3>(rate_); }                 // of velocity() by the last step [m/s2]
+    const Array3& velocity() const { return store.get<Array3>(velocity_); } // of the middle of the last step [m/s]
+    const Array3& end_velocity() const {
+        return store.get<Array3>(end_velocity_);
+    }                                                               // of its end, end_velocity.hpp [m/s]
+    const Array3& rate() const { return store.get<Array3>(rate_); } // of velocity() by the last step [m/s2]
     const Array<double>& pressure() const { return store.get<Array<double>>(pressure_); } // [Pa]
     const Array<int>& liquid() const { return store.get<Array<int>>(liquid_); } // number of its liquid, from 0
     // Used with ForceOptions::by_particle; otherwise a copy of the liquid's, for frames [Pa s].
@@ -82,8 +84,8 @@ public:
     int component_field() const { return component_; }
 
 private:
-    int velocity_, end_velocity_, rate_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_, diagonal_, wall_term_,
-        response_, acceleration_, role_, row_, component_;
+    int velocity_, end_velocity_, rate_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_,
+        diagonal_, wall_term_, response_, acceleration_, role_, row_, component_;
     int inlet_ = -1;
 };
 

@@ -122,12 +122,16 @@ TEST(ImmiscibleLiquids, ViscousForcesCancelAndTakeEnergy) {
     sample.setup.forces.artificial = 0.02;
     Parts parts(Comm::world(), sample);
     const auto before = all_states(parts.comm, parts.liquid);
-    const double energy = measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}, parts.liquid.velocity()).kinetic_energy;
+    const double energy =
+        measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}, parts.liquid.velocity())
+            .kinetic_energy;
     const double step = 0.1 * viscous_step_limit(parts.setup.constants, sample.setup.forces.viscosity);
     auto loads = apply_forces(parts.step(), parts.setup.forces, step, parts.setup.bodies);
     parts.comm.sum(std::span(loads));
     expect_no_change(change(parts, before, density_of), loads, step);
-    EXPECT_LT(measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}, parts.liquid.velocity()).kinetic_energy, energy);
+    EXPECT_LT(measure_totals(parts.comm, parts.liquid, parts.setup.constants, {0, 0, 0}, parts.liquid.velocity())
+                  .kinetic_energy,
+        energy);
 }
 
 TEST(ImmiscibleLiquids, XsphMovesNoMomentum) {
