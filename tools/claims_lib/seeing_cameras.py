@@ -16,11 +16,12 @@ COLUMNS, ROWS, SQUARE = 15, 10, 0.014  # inner corners, [m]
 BOARD_LENS = optics.Lens(1280, 720, (1105.0, 1102.0, 652.0, 349.0, -0.17, 0.09, 0.0006, -0.0009, -0.02, 0, 0, 0))
 FITTED = 9  # parameters: fx fy cx cy k1 k2 p1 p2 k3
 BOARDS, NOISE, RIM = 40, 1.5, 1.25  # pictures; [grey levels] of a contrast of 180; [squares] of paper around the corners
+CHOICES = 3  # of poses a picture
 
 
-def board_pose(lens, random, target):
+def a_pose(lens, random, target):
     """The board at a random distance and tilt, its middle seen near the pixel `target`; the whole board in the picture."""
-    corners = numpy.array([[x, y, 0] for x in (-RIM, COLUMNS - 1 + RIM) for y in (-RIM, ROWS - 1 + RIM)]) * SQUARE
+    rim = numpy.array([[x, y, 0] for x in (-RIM, COLUMNS - 1 + RIM) for y in (-RIM, ROWS - 1 + RIM)]) * SQUARE
     middle = numpy.array([(COLUMNS - 1) / 2, (ROWS - 1) / 2, 0]) * SQUARE
     for attempt in range(2000):
         shrink = 0.9985 ** attempt  # of the tilt and the way from the middle of the picture
@@ -31,10 +32,19 @@ def board_pose(lens, random, target):
         pixel = numpy.array([lens.width, lens.height]) / 2 * (1 + (numpy.array(target) - 1) * shrink)
         x, y = lens.rays(*(numpy.array([p]) for p in pixel))
         shift = depth * numpy.array([x[0], y[0], 1]) - turn @ middle
-        seen = optics.project(lens, turn, shift, corners)
+        seen = optics.project(lens, turn, shift, rim)
         if (seen > 4).all() and (seen < numpy.array([lens.width, lens.height]) - 5).all():
             return turn, shift
     raise RuntimeError("no place for the board")
+
+
+def board_pose(lens, random, target):
+    """Of some poses the one that brings a corner of the board nearest to the rim or corner of the picture at `target`, as the advice
+    for taking pictures has it: what no board reaches is extrapolated."""
+    corners = numpy.array([[x, y, 0] for x in (0, COLUMNS - 1) for y in (0, ROWS - 1)]) * SQUARE
+    aim = numpy.array([lens.width, lens.height]) / 2 * (1 + numpy.sign(numpy.array(target) - 1))
+    poses = [a_pose(lens, random, target) for _ in range(CHOICES)]
+    return min(poses, key=lambda pose: numpy.linalg.norm(optics.project(lens, *pose, corners) - aim, axis=1).min())
 
 
 def draw_board(rays, turn, shift, random, noise):
