@@ -24,22 +24,33 @@ std::vector<double> rate_of(std::span<const double> now, std::span<const double>
     return out;
 }
 
-// Sums |rate - before|^2 and |rate|^2 + |before|^2 of the linear or the angular halves.
-void add_squares(
-    std::span<const double> rate, std::span<const double> before, std::size_t half, std::array<double, 2>& sums) {
-    for (std::size_t at = half; at + 3 <= rate.size(); at += 6) {
-        for (std::size_t k = at; k < at + 3; ++k) {
-            sums[0] += (rate[k] - before[k]) * (rate[k] - before[k]);
-            sums[1] += rate[k] * rate[k] + before[k] * before[k];
+// The linear or the angular ones of the numbers of liquid or bodies.
+struct Part {
+    std::size_t each, first, end; // numbers of the liquid or of a body, those that count
+
+    template <class Visit>
+    void visit(std::size_t size, const Visit& visit_number) const {
+        for (std::size_t at = 0; at + each <= size; at += each) {
+            for (std::size_t k = at + first; k < at + end; ++k) visit_number(k);
         }
     }
+};
+constexpr std::array<Part, 2> of_liquid{Part{6, 0, 3}, Part{6, 3, 6}};
+constexpr std::array<Part, 2> of_bodies{
+    Part{EndMotion::body_numbers, 0, 3}, Part{EndMotion::body_numbers, 3, EndMotion::body_numbers}};
+
+// Sums |rate - before|^2 and |rate|^2 + |before|^2.
+void add_squares(
+    std::span<const double> rate, std::span<const double> before, const Part& part, std::array<double, 2>& sums) {
+    part.visit(rate.size(), [&](std::size_t k) {
+        sums[0] += (rate[k] - before[k]) * (rate[k] - before[k]);
+        sums[1] += rate[k] * rate[k] + before[k] * before[k];
+    });
 }
 
-void add_lead(std::span<const double> rate, std::span<const double> before, std::size_t half, double drift,
+void add_lead(std::span<const double> rate, std::span<const double> before, const Part& part, double drift,
     std::span<double> out) {
-    for (std::size_t at = half; at + 3 <= rate.size(); at += 6) {
-        for (std::size_t k = at; k < at + 3; ++k) out[k] += 0.5 * drift * (2 * rate[k] - before[k]);
-    }
+    part.visit(rate.size(), [&](std::size_t k) { out[k] += 0.5 * drift * (2 * rate[k] - before[k]); });
 }
 } // namespace
 
@@ -51,13 +62,13 @@ void EndMotion::record(Middle middle, std::span<const double> impacts, const Ste
     if (times.first) rate_ = rate;
     end_ = middle.liquid;
     std::ranges::fill(lead_, 0.0);
-    for (const std::size_t half : {0u, 3u}) {
+    for (std::size_t half = 0; half < of_liquid.size(); ++half) {
         std::array<double, 2> sums{0, 0};
-        add_squares(rate.liquid, rate_.liquid, half, sums);
-        add_squares(rate.bodies, rate_.bodies, half, sums);
+        add_squares(rate.liquid, rate_.liquid, of_liquid[half], sums);
+        add_squares(rate.bodies, rate_.bodies, of_bodies[half], sums);
         if (!(sums[0] < smooth_fraction * sums[1])) continue;
-        add_lead(rate.liquid, rate_.liquid, half, times.drift, end_);
-        add_lead(rate.bodies, rate_.bodies, half, times.drift, lead_);
+        add_lead(rate.liquid, rate_.liquid, of_liquid[half], times.drift, end_);
+        add_lead(rate.bodies, rate_.bodies, of_bodies[half], times.drift, lead_);
     }
     middle_ = std::move(middle);
     rate_ = std::move(rate);
@@ -79,11 +90,11 @@ void EndMotion::restore(std::span<const double> state, std::size_t bodies) {
     };
     take(end_);
     for (auto* part : {&middle_, &rate_}) {
-        part->bodies.resize(6 * bodies);
+        part->bodies.resize(body_numbers * bodies);
         take(part->liquid);
         take(part->bodies);
     }
-    lead_.assign(6 * bodies, 0.0);
+    lead_.assign(body_numbers * bodies, 0.0);
 }
 
 } // namespace treacle::flow

@@ -40,8 +40,10 @@ public:
     // State of the middle of the last step, after it: momentum [kg m/s], angular momentum [kg m2/s].
     struct Middle {
         std::array<double, 6> liquid{};
-        std::vector<double> bodies; // 6 numbers each, about their centres
+        std::vector<double>
+            bodies; // rigid::RigidBodies::free_momenta(): the three linear numbers first, then the angular ones
     };
+    static constexpr std::size_t body_numbers = 9;
     void start(Middle middle);
     // `impacts`: what impacts of the bodies have made of their change since the last step, and is no rate.
     void record(Middle middle, std::span<const double> impacts, const StepTimes& times);

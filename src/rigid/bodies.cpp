@@ -174,12 +174,12 @@ double RigidBodies::max_speed() const {
 }
 
 std::vector<double> RigidBodies::free_momenta() const {
-    std::vector<double> out(6 * size());
+    std::vector<double> out(momentum_numbers * size());
     for (std::size_t b = 0; b < size(); ++b) {
-        for (std::size_t k = 0; k < 3 && dynamic(b); ++k) {
-            out[6 * b + k] = setup_.bodies[b].mass * velocity(b)[k];
-            out[6 * b + 3 + k] = angular_momentum(b)[k];
-        }
+        if (!dynamic(b)) continue;
+        const Vec3 p = setup_.bodies[b].mass * velocity(b), orbital = cross(pose(b).centre, p);
+        auto to = out.begin() + static_cast<std::ptrdiff_t>(momentum_numbers * b);
+        for (const Vec3& part : {p, angular_momentum(b), orbital}) to = std::ranges::copy(part, to).out;
     }
     return out;
 }
@@ -188,8 +188,10 @@ std::array<double, 6> RigidBodies::momentum() const {
     std::array<double, 6> sum{};
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
-        const Vec3 p = setup_.bodies[b].mass * end_velocity(b);
-        const Vec3 l = cross(pose(b).centre, p), own = end_angular_momentum(b);
+        const double mass = setup_.bodies[b].mass;
+        const Vec3 p = mass * end_velocity(b);
+        // About where the body was when the forces of the lead acted, as the liquid's is.
+        const Vec3 l = cross(pose(b).centre, mass * velocity(b)) + lead(b, 6), own = end_angular_momentum(b);
         for (std::size_t k = 0; k < 3; ++k) {
             sum[k] += p[k];
             sum[3 + k] += l[k] + own[k];

@@ -116,8 +116,10 @@ public:
     Matrix3 inertia(std::size_t body) const { return inertia(body, states_[body].pose.turn); }
     // Response of the bodies to impulses where they are, joints and locked degrees of freedom included.
     ConstrainedInverseMass mobility() const;
-    // Momentum by velocity() [kg m/s], and angular_momentum(): 6 numbers a body, 0 of what is not dynamic.
-    std::vector<double> free_momenta() const;
+    // Numbers of a body in free_momenta(): momentum by velocity() [kg m/s], angular_momentum(), and that of the motion of the
+    // centre about the origin [kg m2/s].
+    static constexpr std::size_t momentum_numbers = 9;
+    std::vector<double> free_momenta() const; // [bodies][9], 0 of what is not dynamic
     // What impacts have changed of them in the last step.
     const std::vector<double>& impact_momenta() const { return impact_momenta_; }
     // Bound of the speed of any point of a body that moves [m/s].
@@ -160,7 +162,7 @@ private:
         return states_[body].angular_momentum + lead(body, 3);
     }
     Vec3 lead(std::size_t body, std::size_t part) const {
-        const std::size_t at = 6 * body + part;
+        const std::size_t at = momentum_numbers * body + part;
         return lead_.empty() ? Vec3{0, 0, 0} : Vec3{lead_[at], lead_[at + 1], lead_[at + 2]};
     }
     Matrix3 inertia(std::size_t body, const Quaternion& turn) const;

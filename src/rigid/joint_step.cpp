@@ -104,7 +104,7 @@ void RigidBodies::begin_load_sums() {
     contact_loads_.assign(6 * size(), 0.0);
     joint_loads_.assign(6 * size(), 0.0);
     before_.assign(6 * size(), 0.0);
-    impact_momenta_.assign(6 * size(), 0.0);
+    impact_momenta_.assign(momentum_numbers * size(), 0.0);
     for (std::size_t b = 0; b < size(); ++b) {
         if (dynamic(b)) std::ranges::copy(own_momentum(b), before_.begin() + static_cast<std::ptrdiff_t>(6 * b));
     }

@@ -262,10 +262,11 @@ flow::EndMotion::Middle IsphStep::middle_motion() const {
 
 // (S10)
 void IsphStep::end_motion(const flow::StepTimes& times) {
+    before_ = times.drift;
+    if (!setup_.options.pressure.recovers_positions()) return begin_motion();
     end_velocities(liquid_, times);
     end_motion_.record(middle_motion(), bodies_.rigid.impact_momenta(), times);
     bodies_.rigid.set_lead(end_motion_.lead());
-    before_ = times.drift;
 }
 
 std::vector<double> IsphStep::history() const {
@@ -306,7 +307,9 @@ void IsphStep::emit() {
 StepReport IsphStep::advance(double dt) {
     StepReport report;
     report.dt = dt;
-    const flow::StepTimes times{0.5 * (before_ + dt), dt, !(before_ > 0)};
+    // Pressures that recover the density in velocities count on these as the motion of the step, as published.
+    const bool middles = setup_.options.pressure.recovers_positions();
+    const flow::StepTimes times{middles ? 0.5 * (before_ + dt) : dt, dt, !(before_ > 0)};
     const double kick = times.kick;
     {
         const auto phase = timers_.scope("sort");

@@ -101,6 +101,17 @@ std::array<double, 6> total_momentum(const IsphStep& step) {
     return sum;
 }
 
+// By the velocities of the middle of the last step, which forces and joints change exactly.
+std::array<double, 6> middle_momentum(const IsphStep& step) {
+    auto sum = measure_momentum(step.comm(), step.liquid(), step.setup().constants);
+    const auto bodies = step.bodies().free_momenta();
+    for (std::size_t b = 0; b < step.bodies().size(); ++b) {
+        const double* one = &bodies[rigid::RigidBodies::momentum_numbers * b];
+        for (std::size_t k = 0; k < 6; ++k) sum[k] += one[k] + (k < 3 ? 0 : one[3 + k]);
+    }
+    return sum;
+}
+
 } // namespace
 
 TEST(Bodies, KeepTheMomentumOfLiquidAndBodyTogether) {
@@ -131,7 +142,7 @@ TEST(Bodies, ThatAreLinkedKeepTheMomentumOfAllTogether) {
 
 TEST(Bodies, ThatAreHingedGiveTheWorldWhatTheirJointsReport) {
     const auto step = started(Comm::world(), linked_bricks(Constraint::by_a_hinge_too));
-    auto expected = total_momentum(*step);
+    auto expected = middle_momentum(*step);
     const double scale = std::abs(expected[0]);
     double given = 0;
     for (int k = 0; k < 10; ++k) {
@@ -147,7 +158,7 @@ TEST(Bodies, ThatAreHingedGiveTheWorldWhatTheirJointsReport) {
             given += dt * load[0];
         }
     }
-    const auto after = total_momentum(*step);
+    const auto after = middle_momentum(*step);
     for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(after[k], expected[k], 1e-12 * scale) << k;
     EXPECT_GT(std::abs(given), 0.01 * scale) << "the hinge holds something";
     EXPECT_LT(step->bodies().constraint_error(), 1e-11 * spacing);
