@@ -11,6 +11,11 @@ void EndMotion::start(Middle middle) {
     rate_ = {{}, lead_};
 }
 
+void EndMotion::start(Middle middle, Middle rate) {
+    start(std::move(middle));
+    rate_ = std::move(rate);
+}
+
 namespace {
 std::vector<double> difference(std::span<const double> a, std::span<const double> b) {
     std::vector<double> out(a.size());

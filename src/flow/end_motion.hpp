@@ -45,6 +45,8 @@ public:
     };
     static constexpr std::size_t body_numbers = 9;
     void start(Middle middle);
+    // The same, with the rates [1/s] that forces known before the first step give, which is then not StepTimes::first.
+    void start(Middle middle, Middle rate);
     // `impacts`: what impacts of the bodies have made of their change since the last step, and is no rate.
     void record(Middle middle, std::span<const double> impacts, const StepTimes& times);
     const std::array<double, 6>& liquid() const { return end_; }

@@ -251,13 +251,33 @@ void IsphStep::move(StepReport& report, double dt) {
     collect(report);
 }
 
+namespace {
+// Rates of RigidBodies::free_momenta() by gravity.
+std::vector<double> fall_rates(const rigid::RigidBodies& bodies) {
+    std::vector<double> out(rigid::RigidBodies::momentum_numbers * bodies.size());
+    const auto& setup = bodies.setup();
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (!bodies.dynamic(b)) continue;
+        Vec3 force{0, 0, 0};
+        for (std::size_t k = 0; k < static_cast<std::size_t>(setup.dimensions); ++k) {
+            if (!setup.bodies[b].locked[k]) force[k] = setup.bodies[b].mass * setup.gravity[k];
+        }
+        const auto at = out.begin() + static_cast<std::ptrdiff_t>(rigid::RigidBodies::momentum_numbers * b);
+        std::ranges::copy(force, at);
+        std::ranges::copy(rigid::cross(bodies.pose(b).centre, force), at + 6);
+    }
+    return out;
+}
+} // namespace
+
 void IsphStep::begin_motion() {
-    begin_velocities(liquid_, 0);
-    end_motion_.start(middle_motion());
+    begin_velocities(liquid_, 0, setup_.forces.gravity);
+    end_motion_.start(middle_motion(),
+        {measure_momentum(comm_, liquid_, setup_.constants, liquid_.rate()), fall_rates(bodies_.rigid)});
 }
 
 flow::EndMotion::Middle IsphStep::middle_motion() const {
-    return {measure_momentum(comm_, liquid_, setup_.constants), bodies_.rigid.free_momenta()};
+    return {measure_momentum(comm_, liquid_, setup_.constants, liquid_.velocity()), bodies_.rigid.free_momenta()};
 }
 
 // (S10)
@@ -299,7 +319,7 @@ void IsphStep::emit() {
     if (!inflow_) return;
     const int before = liquid_.store.owned();
     inflow_->emit(liquid_, decomposition_);
-    begin_velocities(liquid_, before);
+    begin_velocities(liquid_, before, setup_.forces.gravity);
 }
 
 // One hybrid ISPH step, collective. Velocities are those of the middles of steps: forces act from one to the next, and move
@@ -309,7 +329,7 @@ StepReport IsphStep::advance(double dt) {
     report.dt = dt;
     // Pressures that recover the density in velocities count on these as the motion of the step, as published.
     const bool middles = setup_.options.pressure.recovers_positions();
-    const flow::StepTimes times{middles ? 0.5 * (before_ + dt) : dt, dt, !(before_ > 0)};
+    const flow::StepTimes times{middles ? 0.5 * (before_ + dt) : dt, dt};
     const double kick = times.kick;
     {
         const auto phase = timers_.scope("sort");

@@ -108,8 +108,9 @@ std::array<double, 6> sum_momentum(const LiquidParticles& liquid, const Constant
 }
 } // namespace
 
-std::array<double, 6> measure_momentum(const Comm& comm, const LiquidParticles& liquid, const Constants& constants) {
-    auto out = sum_momentum(liquid, constants, liquid.velocity());
+std::array<double, 6> measure_momentum(
+    const Comm& comm, const LiquidParticles& liquid, const Constants& constants, const Array3& velocity) {
+    auto out = sum_momentum(liquid, constants, velocity);
     comm.sum(std::span<double>(out));
     for (double& sum : out) sum *= constants.mass;
     return out;

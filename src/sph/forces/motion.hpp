@@ -31,7 +31,9 @@ std::vector<LostParticle> remove_lost(const DomainBox& domain, LiquidParticles& 
 // Totals of the owned particles, summed over the ranks, with these of their velocities [m/s].
 LiquidTotals measure_totals(const Comm& comm, const LiquidParticles& liquid, const Constants& constants,
     const std::array<double, 3>& gravity, const Array3& velocity);
-// Momentum [kg m/s] and angular momentum about the origin [kg m2/s], by velocity(), summed over the ranks.
-std::array<double, 6> measure_momentum(const Comm& comm, const LiquidParticles& liquid, const Constants& constants);
+// Momentum [kg m/s] and angular momentum about the origin [kg m2/s] with these velocities, summed over the ranks; with
+// accelerations their rates.
+std::array<double, 6> measure_momentum(
+    const Comm& comm, const LiquidParticles& liquid, const Constants& constants, const Array3& velocity);
 
 } // namespace treacle::sph

@@ -103,7 +103,7 @@ std::array<double, 6> total_momentum(const IsphStep& step) {
 
 // By the velocities of the middle of the last step, which forces and joints change exactly.
 std::array<double, 6> middle_momentum(const IsphStep& step) {
-    auto sum = measure_momentum(step.comm(), step.liquid(), step.setup().constants);
+    auto sum = measure_momentum(step.comm(), step.liquid(), step.setup().constants, step.liquid().velocity());
     const auto bodies = step.bodies().free_momenta();
     for (std::size_t b = 0; b < step.bodies().size(); ++b) {
         const double* one = &bodies[rigid::RigidBodies::momentum_numbers * b];
