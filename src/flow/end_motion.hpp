@@ -37,11 +37,10 @@ KOKKOS_INLINE_FUNCTION void carry_rate(const double rate[3], const double before
 // liquid and bodies together, so that their momenta of the end add up to what those of the middle do.
 class EndMotion {
 public:
-    // State of the middle of the last step, after it: momentum [kg m/s], angular momentum [kg m2/s].
+    // State of the middle of the last step, after it.
     struct Middle {
-        std::array<double, 6> liquid{};
-        std::vector<double>
-            bodies; // rigid::RigidBodies::free_momenta(): the three linear numbers first, then the angular ones
+        std::array<double, 6> liquid{}; // momentum [kg m/s], angular momentum [kg m2/s]
+        std::vector<double> bodies;     // of rigid::RigidBodies::free_momenta(), the three linear numbers first
     };
     static constexpr std::size_t body_numbers = 9;
     void start(Middle middle);
@@ -50,9 +49,8 @@ public:
     // `impacts`: what impacts of the bodies have made of their change since the last step, and is no rate.
     void record(Middle middle, std::span<const double> impacts, const StepTimes& times);
     const std::array<double, 6>& liquid() const { return end_; }
-    const std::vector<double>& lead() const {
-        return lead_;
-    } // of the bodies' momenta of the end before those of the middle
+    // Of the bodies' momenta of the end before those of the middle.
+    const std::vector<double>& lead() const { return lead_; }
 
     // All that changes, for as many bodies.
     std::vector<double> state() const;
