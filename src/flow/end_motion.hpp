@@ -49,7 +49,7 @@ public:
     // `impacts`: what impacts of the bodies have made of their change since the last step, and is no rate.
     void record(Middle middle, std::span<const double> impacts, const StepTimes& times);
     const std::array<double, 6>& liquid() const { return end_; }
-    // Of the bodies' momenta of the end before those of the middle.
+    // Momenta of the bodies at the end before those of the middle, as Middle::bodies.
     const std::vector<double>& lead() const { return lead_; }
 
     // All that changes, for as many bodies.

@@ -120,7 +120,7 @@ public:
     // centre about the origin [kg m2/s].
     static constexpr std::size_t momentum_numbers = 9;
     std::vector<double> free_momenta() const; // [bodies][9], 0 of what is not dynamic
-    // What impacts have changed of them in the last step.
+    // Changes of free_momenta() by the impacts of the last step.
     const std::vector<double>& impact_momenta() const { return impact_momenta_; }
     // Bound of the speed of any point of a body that moves [m/s].
     double max_speed() const;

@@ -66,7 +66,7 @@ public:
     // The last step and the inlets as a checkpoint has them; before start() or restore(), after restore_bodies().
     std::vector<double> history() const;
     void restore_history(std::span<const double> state);
-    // Of the liquid at the end of the last step, collective.
+    // Totals of the liquid at the end of the last step, collective.
     LiquidTotals totals() const;
     // Particles that flowed in since the start of the run, over all ranks.
     std::int64_t emitted() const { return inflow_ ? inflow_->emitted() : 0; }

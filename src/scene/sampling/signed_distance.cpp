@@ -71,11 +71,6 @@ SolidRegion::SolidRegion(const Shape& shape, int dimensions) : dimensions_(dimen
     meshes_.front().volume = moments_->volume;
 }
 
-double SolidRegion::distance(const Vec3& x) const {
-    const double distance = surface_->nearest(x).distance;
-    return inverted_ ? -distance : distance;
-}
-
 double SolidRegion::distance(const Vec3& x, DistanceBound known) const {
     if (inverted_) known.sign = -known.sign;
     const double distance = surface_->distance(x, known);

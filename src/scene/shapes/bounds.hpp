@@ -15,7 +15,7 @@ struct Bounds {
     static constexpr Bounds nothing() { return {{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}}; }
 };
 
-// What is known of a signed distance before it is found.
+// Knowledge of a signed distance before it is found.
 struct DistanceBound {
     double at_most = Bounds::infinite; // [m] no smaller than its magnitude
     int sign = 0;                      // 1 or -1; 0: unknown
