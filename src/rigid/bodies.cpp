@@ -119,6 +119,7 @@ void RigidBodies::fall(double dt) {
             if (!setup.locked[k]) states_[b].velocity[k] += dt * setup_.gravity[k];
         }
     }
+    constrain_joints(step_ > 0 ? step_ : dt);
 }
 
 void RigidBodies::push(std::span<const double> loads, double dt) {
@@ -131,7 +132,7 @@ void RigidBodies::push(std::span<const double> loads, double dt) {
         }
     }
     apply_impulses(impulses);
-    constrain_joints(dt);
+    constrain_joints(step_ > 0 ? step_ : dt);
 }
 
 // Each body by itself.

@@ -89,10 +89,10 @@ public:
 
     // Kinematic bodies take the velocity that carries them along their motion in the next step of dt [s].
     void begin(double dt);
-    // Velocity of dynamic bodies by gravity.
+    // Velocity of dynamic bodies by gravity in dt [s]. Then by joints, such that the motion of the step begun keeps them closed.
     void fall(double dt);
     // By force [N] and torque about their centres [N m], 6 numbers a body; those of bodies that are not dynamic
-    // do not count. Then by joints, such that the motion of a step of dt [s] would keep them closed.
+    // do not count. Then by joints as in fall(); where no step has begun, one of dt [s] counts.
     void push(std::span<const double> loads, double dt);
     // Impulses of contacts and joints, and the motion by dt: kinematic bodies to their next place, dynamic ones by
     // their velocities, which are those of the middle of the step, the rotation such that the angular momentum is kept exactly.

@@ -128,13 +128,20 @@ liquids:
     density: 1000
     viscosity: 1
     shapes: [{{sphere: {{centre: [0.21, 0.13, 0.37], radius: {radius}}}}}]
-time: {{end: 1 ms, step: 1 ms}}
-output: {{interval: 1 ms, checkpoint_interval: 0}}
+time: {{end: 1 ms, step: 0.1 ms}}
+output: {{interval: 0.1 ms, checkpoint_interval: 0}}
 """
+FRAMES = 10  # of a sequence, past the first
+
+
+def exported(context, run, frames):
+    """What `export --to surface` prints and the seconds that it takes, files and start with it."""
+    with scratch(context, "mesh") as folder:
+        return treacle(context, "export", run, "--to", "surface", "--frames", frames, "--check", "--out", folder / "mesh", ranks=1)
 
 
 def library(context):
-    """The whole command, its start and its files too, against the library's splat and marching cubes alone; one core each."""
+    """A frame of a sequence, its files too, against the library's splat and marching cubes alone; one core each."""
     texts, ok = [], True
     for radius in (3, 6) if context.quick else (3, 6, 12, 24):
         with scratch(context, "library") as folder:
@@ -142,12 +149,14 @@ def library(context):
             scene.write_text(BALLS.format(radius=radius))
             run = run_scene(context, scene, folder / "run", ranks=1)
             points = run.frame(0)["position"]
-            theirs = library_surface.make(points, 1.0)
-            done = treacle(context, "export", folder / "run", "--to", "surface", "--frames", "0", "--check", "--out", folder / "mesh", ranks=1)
-        volume = float(re.search(r"volume ([-+.\de]+)", done.output)[1])
-        errors = [abs(one / len(points) - 1) for one in (volume, theirs.volume)]
-        texts.append(f"{len(points)} particles: volume error {100 * errors[0]:.2f} % in {done.seconds:.2f} s, library's {100 * errors[1]:.2f} % in {theirs.seconds:.2f} s")
-        ok = ok and errors[0] <= errors[1] and (radius < 12 or done.seconds <= 2 * theirs.seconds)
+            first, all_frames = exported(context, run.folder, "0"), exported(context, run.folder, f"0:{FRAMES}")
+        theirs = [library_surface.make(points, 1.0) for _ in range(3)]
+        seconds, their_seconds = (all_frames.seconds - first.seconds) / FRAMES, min(one.seconds for one in theirs)
+        volume = float(re.search(r"volume ([-+.\de]+)", first.output)[1])
+        errors = [abs(one / len(points) - 1) for one in (volume, theirs[0].volume)]
+        texts.append(f"{len(points)} particles: volume error {100 * errors[0]:.2f} % in {seconds:.3f} s, library's "
+                     f"{100 * errors[1]:.2f} % in {their_seconds:.3f} s")
+        ok = ok and errors[0] <= errors[1] and (radius < 12 or seconds <= 2 * their_seconds)
     return Figure("; ".join(texts), ok)
 
 
@@ -163,7 +172,7 @@ def add_rows(table):
     table.row("surface by ranks", claim="the mesh on 1, 2, 3, 4 and 8 ranks, with walls, a period and a solid",
               asked="the same triangles, vertices to 1e-12")(ranks)
     table.row("surface export", claim="export --to surface: ply, vtp, obj on 1 to 3 ranks", asked="the same figures")(export)
-    table.row("surface against a library", claim="balls of 3 to 24 particles a radius; VTK's SPH splat on the same grid and its flying edges",
+    table.row("surface against a library", claim="a frame of a ball of 3 to 24 particles a radius, files too; VTK's SPH splat on the same grid and its flying edges",
               asked="volume error not larger; from 12 on, time within 2 times")(library)
     table.row("cost of surface and silhouette", claim="at 64^3 and at 1 M particles, one rank",
               asked="together <= 1/3 of the steps of 1/30 s")(cost)

@@ -2,17 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace treacle::grid {
 
 namespace {
-// Fraction of all that a constant pressure pushes with which a body must be pushed on the whole to move.
-constexpr double least_push = 1e-6;
+// Fractions of all that a constant pressure pushes and turns with which a body must be pushed or turned on the whole to move.
+// Pushes of a body with liquid all around add up to nothing, turns of one that the liquid slides along only nearly.
+constexpr double least_push = 1e-6, least_turn = 0.03;
+// Share of what it would be without joints that the work of such a push must be: below it is round-off.
+constexpr double least_work = 1e-9;
 
 // Labels rise to those of parts that end at a surface, and fall to the least row otherwise.
 double join_labels(double a, double b) {
     const bool open = std::floor(a) != a || std::floor(b) != b;
     return std::min(std::floor(a), std::floor(b)) + (open ? 0.5 : 0.0);
+}
+
+double sum_sizes(std::span<const double> values) {
+    double sum = 0;
+    for (const double value : values) sum += std::fabs(value);
+    return sum;
+}
+
+// True when bodies give way to a constant pressure that pushes and turns them by `net`, with `gross` the sums of sizes, both
+// [6 a body].
+bool moves(const rigid::ConstrainedInverseMass& mobility, std::span<const double> net, std::span<const double> gross) {
+    std::vector<double> push(net.size(), 0.0);
+    for (std::size_t at = 0; at < net.size(); at += 3) {
+        const double least = (at % 6 == 0 ? least_push : least_turn) * sum_sizes(gross.subspan(at, 3));
+        if (!(sum_sizes(net.subspan(at, 3)) > least)) continue;
+        for (std::size_t k = at; k < at + 3; ++k) push[k] = net[k];
+    }
+    const auto moved = mobility.respond(push), alone = mobility.alone(push);
+    const double work = std::inner_product(push.begin(), push.end(), moved.begin(), 0.0);
+    return work > least_work * std::inner_product(push.begin(), push.end(), alone.begin(), 0.0);
 }
 } // namespace
 
@@ -80,36 +104,23 @@ std::vector<char> PressureComponents::find_lifted(
     const Comm& comm, const PressureCoupling& coupling, const rigid::RigidBodies& bodies) const {
     std::vector<char> out(labels_.size(), 0);
     if (!bodies.any_dynamic()) return out;
-    const std::size_t n = bodies.size();
-    std::vector<double> net(labels_.size() * n * 4, 0.0); // three components, and the sum of their sizes
+    const std::size_t width = 6 * bodies.size();
+    std::vector<double> net(labels_.size() * width, 0.0), gross(net.size(), 0.0);
     for (const auto& entry : coupling.entries()) {
         const int part = all_parts_[static_cast<std::size_t>(entry.row)];
         if (part < 0) continue;
-        double* const sum = &net[4 * (static_cast<std::size_t>(part) * n + static_cast<std::size_t>(entry.body))];
-        for (int k = 0; k < 3; ++k) {
-            sum[k] += entry.u[k];
-            sum[3] += std::fabs(entry.u[k]);
+        const std::size_t at = static_cast<std::size_t>(part) * width + 6 * static_cast<std::size_t>(entry.body);
+        for (std::size_t k = 0; k < 6; ++k) {
+            net[at + k] += entry.u[k];
+            gross[at + k] += std::fabs(entry.u[k]);
         }
     }
     comm.sum(std::span(net));
+    comm.sum(std::span(gross));
     const auto mobility = bodies.mobility();
     for (std::size_t part = 0; part < labels_.size(); ++part) {
-        std::vector<double> push(6 * n, 0.0);
-        double gross = 0;
-        for (std::size_t b = 0; b < n; ++b) {
-            const double* const sum = &net[4 * (part * n + b)];
-            for (std::size_t k = 0; k < 3; ++k) push[6 * b + k] = sum[k];
-            gross += sum[3];
-        }
-        const auto moved = mobility.respond(push);
-        for (std::size_t b = 0; b < n; ++b) {
-            double work = 0, size = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                work += push[6 * b + k] * moved[6 * b + k];
-                size += std::fabs(push[6 * b + k]);
-            }
-            if (work > 0 && size > least_push * gross) out[part] = 1;
-        }
+        out[part] =
+            moves(mobility, std::span(net).subspan(part * width, width), std::span(gross).subspan(part * width, width));
     }
     return out;
 }

@@ -196,5 +196,37 @@ TEST_F(BodiesInLiquid, ThatCloseABoxAreCarriedByTheConstantOfThePressure) {
     EXPECT_NEAR(report.loads[2], 250 * 9.81, 1e-5);
 }
 
+// A lid on a hinge closes a box of liquid: turned about its edge it gives way to the constant of the pressure;
+// about an axle through its middle, to which a constant pressure has no arm, it does not, and the box must balance.
+TEST_F(BodiesInLiquid, OnHingesCloseABoxByWhereTheHingeIs) {
+    const double shorter = 1e-2 * dt; // in which the hinge's chord is a straight line to 1e-8
+    for (const double axle : {0.0, 0.5}) {
+        SCOPED_TRACE(axle);
+        PressureSample sample;
+        sample.options.residual = 1e-13;
+        const double level = 0.71;
+        sample.liquid = [=](const Vec3& x) { return x[2] - level - 0.02; };
+        sample.body = [=](const Vec3& x) { return level - x[2]; };
+        sample.bodies.bodies = {free_body({0.5, 0.5, 0.9}, 250, 0.2)};
+        rigid::JointSetup hinge;
+        hinge.point = {axle, 0.5, 0.9};
+        hinge.axis = {0.6, 0.8, 0};
+        sample.bodies.joints = {hinge};
+        sample.bodies.gravity = gravity;
+        sample.bodies.spacing = 1.0 / sample.cells;
+        PressureCase test(comm, sample);
+        test.bodies.begin(shorter);
+        test.bodies.fall(shorter);
+        test.build();
+        test.accelerate(gravity, shorter);
+        const auto report = test.project(shorter);
+        EXPECT_EQ(report.closed, 1);
+        EXPECT_TRUE(report.solve.converged());
+        EXPECT_LT(test.max_speed(), 1e-8);
+        const double arm = 0.8 * (0.5 - axle);
+        EXPECT_NEAR(arm * report.loads[2] - 0.6 * report.loads[3] - 0.8 * report.loads[4], arm * 250 * 9.81, 1e-4);
+    }
+}
+
 } // namespace
 } // namespace treacle::grid::pressure_bodies_test
