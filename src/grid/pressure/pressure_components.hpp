@@ -1,5 +1,6 @@
 #pragma once
 #include "base/disjoint_sets.hpp"
+#include "grid/pressure/part_relief.hpp"
 #include "grid/pressure/pressure_coupling.hpp"
 
 #include <span>
@@ -8,16 +9,18 @@
 namespace treacle::grid {
 
 // Closed parts of the liquid (P3): sets of cells that openings connect, across ranks, and that no surface ends. Their
-// pressure is free but for a constant, and there is none unless as much flows in as out. Without them nothing is done; one
-// pass of union-find over the entries, and messages only while labels change at the borders of ranks.
+// pressure is free but for a constant, and there is none unless as much flows in as out; so is that of several together to
+// which no body gives way. Without them nothing is done; one pass of union-find over the entries, and messages only while
+// labels change at the borders of ranks.
 class PressureComponents {
 public:
-    // Collective. Weights one cell of each closed part, by as much as its diagonal: for right-hand sides that sum to zero
+    // Collective. Weights one cell of each closed part, by as much as its diagonal: for right-hand sides that are balanced
     // that cell's pressure is zero then, and that of the others is what it is without the weight. Where a dynamic body
     // moves under a constant pressure, there is nothing free: `unpinned()` has what to take off of the product again.
     void anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal,
         const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
-    // Collective: takes the mean of each closed part off of b. Returns the largest share of |b| that was taken.
+    // Collective: takes off of b what closed parts have too much, the mean of each where no body gives way to it. Returns
+    // the largest share of |b| that was taken.
     double balance(const Comm& comm, std::span<double> b) const;
 
     // Addition to a diagonal entry.
@@ -30,24 +33,23 @@ public:
     } // this rank's; those whose parts bodies can relieve
     // [rows] number of the enclosed component that a row belongs to, or -1; empty without any.
     std::span<const int> closed_rows() const {
-        return closed() > 0 ? std::span<const int>(all_parts_) : std::span<const int>();
+        return closed() > 0 ? std::span<const int>(parts_) : std::span<const int>();
     }
     int closed() const { return static_cast<int>(labels_.size()); } // parts, over all ranks
 
 private:
     void label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal);
     void number(const Comm& comm, std::int64_t first_row);
-    std::vector<char> find_lifted(
-        const Comm& comm, const PressureCoupling& coupling, const rigid::RigidBodies& bodies) const;
+    void find_relief(const Comm& comm, const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
 
     DisjointSets sets_; // of rows: parts on this rank
     std::vector<double>
         label_; // [rows] of the least of each: least row of the part over all ranks; + 0.5: it ends at a surface
     std::vector<std::int64_t> labels_; // of the enclosed components, rising, the same on all ranks
-    std::vector<int> part_;            // [rows] number of the closed part that must balance, or -1
-    std::vector<int> all_parts_;       // [rows] number of the closed part, or -1
+    std::vector<int> parts_;           // [rows] number of the closed part, or -1
     std::vector<double> sizes_;        // [enclosed components] rows, over all ranks
     std::vector<Weight> unpinned_;
+    PartRelief relief_;
 };
 
 } // namespace treacle::grid

@@ -228,5 +228,52 @@ TEST_F(BodiesInLiquid, OnHingesCloseABoxByWhereTheHingeIs) {
     }
 }
 
+// A piston closes two boxes side by side: with only one motion for two constants, one of them stays free.
+TEST_F(BodiesInLiquid, CloseTwoBoxesByOneMotion) {
+    PressureSample sample;
+    sample.options.residual = 1e-13;
+    const double level = 0.71;
+    sample.liquid = [=](const Vec3& x) { return x[2] - level - 0.02; };
+    sample.solid = [](const Vec3& x) { return std::fabs(x[0] - 0.4) - 0.07; };
+    sample.body = [=](const Vec3& x) { return level - x[2]; };
+    sample.bodies.bodies = {free_body({0.5, 0.5, 0.9}, 250, 0.2)};
+    sample.bodies.bodies[0].locked = {true, true, false, true, true, true};
+    sample.bodies.gravity = gravity;
+    sample.bodies.spacing = 1.0 / sample.cells;
+    PressureCase test(comm, sample);
+    test.bodies.begin(dt);
+    test.bodies.fall(dt);
+    test.build();
+    test.accelerate(gravity, dt);
+    const auto report = test.project(dt);
+    EXPECT_EQ(report.closed, 2);
+    EXPECT_LT(report.incompatible_fraction, 1e-12);
+    EXPECT_LT(std::fabs(test.bodies.velocity(0)[2]), 1e-9);
+    EXPECT_LT(test.max_speed(), 1e-9);
+    EXPECT_NEAR(report.loads[2], 250 * 9.81, 1e-5);
+}
+
+// Parts of liquid that push one body along x, along y, or not at all.
+TEST(PartRelief, TakesOffWhatNoMotionOfBodiesCan) {
+    rigid::Response response;
+    for (std::size_t k = 0; k < 3; ++k) response.linear[k][k] = response.angular[k][k] = 0.5;
+    const std::vector<double> x{2, 0, 0, 0, 0, 0}, y{0, 1, 0, 0, 0, 0}, none(6, 0.0);
+    const auto surplus = [&](const std::vector<std::vector<double>>& pushes, const std::vector<double>& sums,
+                             const std::vector<double>& sizes) {
+        std::vector<double> net;
+        for (const auto& push : pushes) net.insert(net.end(), push.begin(), push.end());
+        PartRelief relief;
+        relief.find(rigid::ConstrainedInverseMass({response}, {}), pushes.size(), net, net);
+        return relief.surplus(sums, sizes);
+    };
+    const auto same = [](const std::vector<double>& found, const std::vector<double>& expected) {
+        for (std::size_t p = 0; p < expected.size(); ++p) EXPECT_NEAR(found[p], expected[p], 1e-14);
+    };
+    same(surplus({none, none}, {3, 5}, {2, 4}), {1.5, 1.25}); // walls alone: the means
+    same(surplus({x, y, none}, {3, 5, 2}, {2, 4, 8}), {0, 0, 0.25});
+    same(surplus({x, x}, {3, 1}, {2, 2}), {0.5, -0.5});
+    same(surplus({x, y, x}, {3, 7, 1}, {2, 1, 2}), {0.5, 0, -0.5});
+}
+
 } // namespace
 } // namespace treacle::grid::pressure_bodies_test
