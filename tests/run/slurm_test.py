@@ -85,7 +85,7 @@ class Jobs(Study):
         self.assertEqual(self.figures(), self.figures("good"))
 
     def test_a_chain_of_three_jobs_is_one_long_run(self):
-        values = ["--set", "time.end=3 s", "--set", "output.interval=0.1 s"]
+        values = ["--set", "time.end=3 s", "--set", "time.step=2 ms", "--set", "output.interval=0.1 s"]
         self.treacle("run", "block.yaml", "--out", "straight", *values)
         job = self.submit("--ntasks=1", os.path.join(ROOT, "jobs", "slurm.sh"), "block.yaml", "chain", *values)
         for _ in range(2):

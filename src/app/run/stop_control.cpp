@@ -21,7 +21,11 @@ StopControl::StopControl(const Comm& comm, std::filesystem::path stop_file, doub
 }
 
 StopControl::~StopControl() {
-    for (const auto& [number, handler] : earlier_) std::signal(number, handler == SIG_ERR ? SIG_DFL : handler);
+    for (const auto& [number, handler] : earlier_) {
+        const bool by_default = handler == SIG_ERR || handler == SIG_DFL;
+        // What warns of a time limit must not kill a program whose run has just ended.
+        std::signal(number, !by_default ? handler : number == SIGUSR1 ? SIG_IGN : SIG_DFL);
+    }
 }
 
 double StopControl::wall_seconds() const {
