@@ -40,6 +40,23 @@ identify::FlowCurveBand band_of(const identify::StudyFile& file, const identify:
     return out;
 }
 
+// The shear rate that a single parameter's answer holds at [1/s]; 0 where it is unknown.
+double rate_of_answer(const identify::StudyFile& file, const identify::Estimate& estimate,
+    const std::vector<std::int64_t>& runs, const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
+    std::vector<std::vector<identify::FrameShearRates>> frames;
+    for (const auto run : runs) frames.push_back(identify::read_frame_shear_rates(folder_of(run)));
+    double sum = 0;
+    for (std::size_t k = 0; k < estimate.shares.size(); ++k) {
+        const std::size_t experiment = estimate.misfit_of[k];
+        const auto scene = std::size_t(&file.scene_of(file.experiments[experiment]) - file.study.scenes.data());
+        if (scene >= frames.size() || frames[scene].empty()) return 0;
+        const bool first = k == 0 || estimate.misfit_of[k - 1] != experiment;
+        const double from = first ? 0 : estimate.times[k - 1];
+        sum += estimate.shares[k] * identify::mean_between(frames[scene], from, estimate.times[k]);
+    }
+    return sum;
+}
+
 } // namespace
 
 Eigen::MatrixXd flow_curve_slopes(const identify::StudyFile& file, const std::vector<double>& answer,
@@ -63,7 +80,9 @@ std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile&
     std::vector<identify::FlowCurveBand> out;
     if (!identification.estimate) return out;
     identify::ShearRates flow;
+    double answer_rate = 0;
     if (const auto* best = identify::best_trial(identification)) {
+        answer_rate = rate_of_answer(file, *identification.estimate, best->runs, folder_of);
         for (const auto run : best->runs) flow.add(identify::read_shear_rates(folder_of(run)).weights());
     }
     for (const auto& liquid : searched_liquids(file)) {
@@ -71,6 +90,7 @@ std::vector<identify::FlowCurveBand> flow_curve_bands(const identify::StudyFile&
         if (!curve || !((*curve)(1) > 0)) continue;
         out.push_back(band_of(file, identification, liquid, *curve));
         out.back().flow = flow;
+        out.back().answer_rate = answer_rate;
         if (measured && measured->is_of(liquid)) out.back().measured = measured->curve;
     }
     return out;

@@ -117,6 +117,26 @@ void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, c
     }
 }
 
+// (I7) Where the parameter is another by d_k from frame k - 1 to frame k alone, displacements of all later frames are others by
+// (G_k - G_(k-1)) d_k, G_k the root of the frame's weighted squares of the gradient, and the answer by (share_k d_k). Shares add up to 1.
+void tell_shares(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
+    std::map<std::pair<std::size_t, int>, double> squares;
+    for (std::size_t i = 0; i < layout.rows.size(); ++i)
+        squares[{layout.rows[i].experiment, at(run, layout.rows[i]).frame}] += telling[Eigen::Index(i)];
+    std::vector<double> later(out.misfit_of.size() + 1, 0.0), slopes;
+    for (const auto& [key, sum] : squares) slopes.push_back(std::sqrt(sum));
+    double all = 0;
+    out.shares.assign(slopes.size(), 0.0);
+    for (std::size_t k = slopes.size(); k-- > 0;) {
+        const bool last = k + 1 == slopes.size() || out.misfit_of[k + 1] != out.misfit_of[k];
+        const bool first = k == 0 || out.misfit_of[k - 1] != out.misfit_of[k];
+        later[k] = slopes[k] + (last ? 0 : later[k + 1]);
+        out.shares[k] = std::max(0.0, slopes[k] - (first ? 0 : slopes[k - 1])) * later[k];
+        all += out.shares[k];
+    }
+    for (double& share : out.shares) share = all > 0 ? share / all : 0;
+}
+
 // By frame of all experiments: how far the run's liquid goes on beyond the observed one, in usual noises, a segment each. Empty where nothing is compared by contours.
 std::vector<double> beyond_contours(const EvaluatedRun& run) {
     std::vector<double> out;
@@ -321,6 +341,7 @@ private:
     void tell_drifts() {
         const WholeFit all{best_, layout_, result_, model_.gradient.col(0), views_, view_information(), blocks_};
         for (std::size_t e = 0; e < layout_.experiments; ++e) out_.drifts.push_back(drift_of(e, all));
+        tell_shares(out_, best_, layout_, result_.weights.cwiseProduct(all.gradient.cwiseAbs2()));
     }
 
     Given given_;

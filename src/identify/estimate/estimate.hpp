@@ -85,11 +85,13 @@ struct Estimate {
     std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
     std::vector<std::size_t> misfit_of; // experiment of those frames
-    std::vector<Drift> drifts;          // per experiment, of a single parameter
-    double alike = 0;       // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
-    int block_frames = 0;   // frames over which the displacements left over are correlated
-    std::size_t blocks = 0; // blocks of frames and sectors of the picture that the jackknife leaves out in turn
-    std::size_t runs = 0;   // that the local model is fitted to
+    std::vector<double>
+        shares; // of those frames, of a single parameter: weights of the flow since the frame before (I7)
+    std::vector<Drift> drifts; // per experiment, of a single parameter
+    double alike = 0;          // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
+    int block_frames = 0;      // frames over which the displacements left over are correlated
+    std::size_t blocks = 0;    // blocks of frames and sectors of the picture that the jackknife leaves out in turn
+    std::size_t runs = 0;      // that the local model is fitted to
 };
 
 // (I1) Gauss-Newton on signed residuals r(theta, v) = r + g (theta - theta_0) + J v: r and g of each segment by a

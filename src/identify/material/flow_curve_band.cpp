@@ -93,10 +93,11 @@ std::vector<std::string> describe(const FlowCurveBand& band) {
         const double mean = band.flow.mean(), low = band.flow.quantile(0.05), high = band.flow.quantile(0.95);
         out.push_back(band.liquid + ": sheared at " + digits(low, 3) + " to " + digits(high, 3) +
                       " 1/s (90 % of what it dissipates), at " + digits(mean, 3) + " 1/s on average");
-        const auto value = band.value.at(mean);
-        const auto measured = band.measured ? band.measured->at(mean) : std::nullopt;
+        const double rate = band.answer_rate > 0 ? band.answer_rate : mean;
+        const auto value = band.value.at(rate);
+        const auto measured = band.measured ? band.measured->at(rate) : std::nullopt;
         if (value && measured) {
-            out.push_back(band.liquid + ": at " + digits(mean, 3) + " 1/s " + digits(*value, 3) + " Pa s, measured " +
+            out.push_back(band.liquid + ": at " + digits(rate, 3) + " 1/s " + digits(*value, 3) + " Pa s, measured " +
                           digits(*measured, 3) + " Pa s (" + digits(100 * (*value / *measured - 1), 3) + " %)");
         }
         if (const auto error = curve_error(band, low, high))
@@ -116,7 +117,8 @@ std::string yaml(const FlowCurveBand& band) {
     if (!band.flow.empty()) {
         out += "    flow: {mean: " + format_number(band.flow.mean()) +
                " 1/s, from: " + format_number(band.flow.quantile(0.05)) +
-               " 1/s, to: " + format_number(band.flow.quantile(0.95)) + " 1/s}\n";
+               " 1/s, to: " + format_number(band.flow.quantile(0.95)) +
+               " 1/s, of_answer: " + (band.answer_rate > 0 ? format_number(band.answer_rate) + " 1/s" : "null") + "}\n";
         if (const auto error = curve_error(band, band.flow.quantile(0.05), band.flow.quantile(0.95)))
             out += "    error_over_flow: " + format_number(*error) + "\n";
     }

@@ -22,8 +22,10 @@ ViscositiesByRate read_flow_curve(const std::filesystem::path& path);
 // The viscosity of an identified liquid by shear rate, with a 90 % band.
 struct FlowCurveBand {
     std::string liquid;
-    ViscositiesByRate value, low, high;        // at the same rates
-    ShearRates flow;                           // of the runs at the best trial
+    ViscositiesByRate value, low, high; // at the same rates
+    ShearRates flow;                    // of the runs at the best trial
+    double answer_rate =
+        0; // [1/s] mean by dissipation in a frame and by the shares of frames in the answer; 0: unknown
     std::optional<ViscositiesByRate> measured; // by a rheometer
 };
 

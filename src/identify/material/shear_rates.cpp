@@ -60,6 +60,17 @@ FrameShearRates frame_shear_rates(double time, const ShearRates& rates) {
     return out;
 }
 
+double mean_between(const std::vector<FrameShearRates>& frames, double from, double to) {
+    const auto at = [&](double time) {
+        const auto after = std::ranges::lower_bound(frames, time, {}, &FrameShearRates::time);
+        if (after == frames.begin()) return frames.front().mean;
+        if (after == frames.end()) return frames.back().mean;
+        const auto before = std::prev(after);
+        return std::lerp(before->mean, after->mean, (time - before->time) / (after->time - before->time));
+    };
+    return frames.empty() ? 0 : 0.5 * (at(from) + at(to));
+}
+
 void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames) {
     std::vector<std::string> names{"time [s]"};
     for (const double level : FrameShearRates::quantile_levels) names.push_back(quantile_name(level) + " [1/s]");

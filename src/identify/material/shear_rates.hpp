@@ -34,6 +34,8 @@ struct FrameShearRates {
     double mean = 0;                   // [1/s] weighted by dissipation
 };
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates);
+// Mean from one time [s] to another, by straight lines between the frames, which are in the order of time [1/s].
+double mean_between(const std::vector<FrameShearRates>& frames, double from, double to);
 
 // shear_rates_by_frame.csv in a run's folder. Throws SimulationError.
 void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames);
