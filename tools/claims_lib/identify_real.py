@@ -129,7 +129,7 @@ def newtonian(context, name):
 
 
 def add_rows(table):
-    @table.row("real dam breaks, Newtonian", claim="one viscosity against the rheometer's curve at the mean shear rate, by dissipation in each interval of frames and by what the interval moves the answer",
+    @table.row("real dam breaks, Newtonian", claim="one viscosity against the rheometer's curve at the mean shear rate by dissipation and by what each frame tells of the viscosity",
                asked="within 15 % (public peers: 20 to 128 % of curves)")
     def real(context):
         texts, worst = [], 0

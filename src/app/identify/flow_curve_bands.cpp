@@ -45,16 +45,17 @@ double rate_of_answer(const identify::StudyFile& file, const identify::Estimate&
     const std::vector<std::int64_t>& runs, const std::function<std::filesystem::path(std::int64_t)>& folder_of) {
     std::vector<std::vector<identify::FrameShearRates>> frames;
     for (const auto run : runs) frames.push_back(identify::read_frame_shear_rates(folder_of(run)));
-    double sum = 0;
+    double sum = 0, weights = 0;
     for (std::size_t k = 0; k < estimate.shares.size(); ++k) {
-        const std::size_t experiment = estimate.misfit_of[k];
-        const auto scene = std::size_t(&file.scene_of(file.experiments[experiment]) - file.study.scenes.data());
+        const auto& experiment = file.experiments[estimate.misfit_of[k]];
+        const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
         if (scene >= frames.size() || frames[scene].empty()) return 0;
-        const bool first = k == 0 || estimate.misfit_of[k - 1] != experiment;
-        const double from = first ? 0 : estimate.times[k - 1];
-        sum += estimate.shares[k] * identify::mean_between(frames[scene], from, estimate.times[k]);
+        const auto& frame = identify::nearest_frame(frames[scene], estimate.times[k]);
+        const double weight = estimate.shares[k] * frame.dissipation;
+        sum += weight * frame.mean;
+        weights += weight;
     }
-    return sum;
+    return weights > 0 ? sum / weights : 0;
 }
 
 } // namespace

@@ -117,24 +117,13 @@ void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, c
     }
 }
 
-// (I7) Where the parameter is another by d_k from frame k - 1 to frame k alone, displacements of all later frames are others by
-// (G_k - G_(k-1)) d_k, G_k the root of the frame's weighted squares of the gradient, and the answer by (share_k d_k). Shares add up to 1.
+// (I7) Shares of the frames in the information on a single parameter, sums of `telling` by rows.
 void tell_shares(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
-    std::map<std::pair<std::size_t, int>, double> squares;
+    std::map<std::pair<std::size_t, int>, double> sums;
     for (std::size_t i = 0; i < layout.rows.size(); ++i)
-        squares[{layout.rows[i].experiment, at(run, layout.rows[i]).frame}] += telling[Eigen::Index(i)];
-    std::vector<double> later(out.misfit_of.size() + 1, 0.0), slopes;
-    for (const auto& [key, sum] : squares) slopes.push_back(std::sqrt(sum));
-    double all = 0;
-    out.shares.assign(slopes.size(), 0.0);
-    for (std::size_t k = slopes.size(); k-- > 0;) {
-        const bool last = k + 1 == slopes.size() || out.misfit_of[k + 1] != out.misfit_of[k];
-        const bool first = k == 0 || out.misfit_of[k - 1] != out.misfit_of[k];
-        later[k] = slopes[k] + (last ? 0 : later[k + 1]);
-        out.shares[k] = std::max(0.0, slopes[k] - (first ? 0 : slopes[k - 1])) * later[k];
-        all += out.shares[k];
-    }
-    for (double& share : out.shares) share = all > 0 ? share / all : 0;
+        sums[{layout.rows[i].experiment, at(run, layout.rows[i]).frame}] += telling[Eigen::Index(i)];
+    const double all = telling.sum();
+    for (const auto& [frame, sum] : sums) out.shares.push_back(all > 0 ? sum / all : 0);
 }
 
 // By frame of all experiments: how far the run's liquid goes on beyond the observed one, in usual noises, a segment each. Empty where nothing is compared by contours.

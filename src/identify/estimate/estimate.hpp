@@ -86,7 +86,7 @@ struct Estimate {
     std::vector<double> times;  // [s] of those frames
     std::vector<std::size_t> misfit_of; // experiment of those frames
     std::vector<double>
-        shares; // of those frames, of a single parameter: weights of the flow since the frame before (I7)
+        shares; // of those frames, of a single parameter: of the information on it (I7)
     std::vector<Drift> drifts; // per experiment, of a single parameter
     double alike = 0;          // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
     int block_frames = 0;      // frames over which the displacements left over are correlated

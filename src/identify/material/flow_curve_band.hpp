@@ -24,8 +24,7 @@ struct FlowCurveBand {
     std::string liquid;
     ViscositiesByRate value, low, high; // at the same rates
     ShearRates flow;                    // of the runs at the best trial
-    double answer_rate =
-        0; // [1/s] mean by dissipation in a frame and by the shares of frames in the answer; 0: unknown
+    double answer_rate = 0; // [1/s] mean by dissipation and by the frames' shares in the information; 0: unknown
     std::optional<ViscositiesByRate> measured; // by a rheometer
 };
 

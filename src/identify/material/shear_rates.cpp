@@ -32,10 +32,12 @@ void ShearRates::add(const std::array<double, bins>& weights) {
     for (std::size_t i = 0; i < bins; ++i) weights_[i] += weights[i];
 }
 
-bool ShearRates::empty() const { return std::accumulate(weights_.begin(), weights_.end(), 0.0) == 0; }
+bool ShearRates::empty() const { return sum() == 0; }
+
+double ShearRates::sum() const { return std::accumulate(weights_.begin(), weights_.end(), 0.0); }
 
 double ShearRates::quantile(double level) const {
-    const double wanted = level * std::accumulate(weights_.begin(), weights_.end(), 0.0);
+    const double wanted = level * sum();
     double below = 0;
     for (std::size_t i = 0; i < bins; ++i) {
         if (weights_[i] > 0 && below + weights_[i] >= wanted) return edge(double(i) + (wanted - below) / weights_[i]);
@@ -54,32 +56,28 @@ double ShearRates::mean() const {
 }
 
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates) {
-    FrameShearRates out{time, {}, rates.mean()};
+    FrameShearRates out{time, {}, rates.mean(), rates.sum()};
     for (std::size_t i = 0; i < out.quantiles.size(); ++i)
         out.quantiles[i] = rates.quantile(FrameShearRates::quantile_levels[i]);
     return out;
 }
 
-double mean_between(const std::vector<FrameShearRates>& frames, double from, double to) {
-    const auto at = [&](double time) {
-        const auto after = std::ranges::lower_bound(frames, time, {}, &FrameShearRates::time);
-        if (after == frames.begin()) return frames.front().mean;
-        if (after == frames.end()) return frames.back().mean;
-        const auto before = std::prev(after);
-        return std::lerp(before->mean, after->mean, (time - before->time) / (after->time - before->time));
-    };
-    return frames.empty() ? 0 : 0.5 * (at(from) + at(to));
+const FrameShearRates& nearest_frame(const std::vector<FrameShearRates>& frames, double time) {
+    return *std::ranges::min_element(
+        frames, {}, [&](const FrameShearRates& frame) { return std::abs(frame.time - time); });
 }
 
 void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames) {
     std::vector<std::string> names{"time [s]"};
     for (const double level : FrameShearRates::quantile_levels) names.push_back(quantile_name(level) + " [1/s]");
     names.push_back("mean [1/s]");
+    names.push_back("dissipation");
     auto table = CsvTable::create(frame_file(folder), names);
     for (const auto& frame : frames) {
         std::vector<double> row{frame.time};
         row.insert(row.end(), frame.quantiles.begin(), frame.quantiles.end());
         row.push_back(frame.mean);
+        row.push_back(frame.dissipation);
         table.append(row);
     }
     table.sync();
@@ -89,8 +87,9 @@ std::vector<FrameShearRates> read_frame_shear_rates(const std::filesystem::path&
     std::vector<FrameShearRates> out;
     if (!std::filesystem::exists(frame_file(folder))) return out;
     const auto table = read_csv(frame_file(folder));
+    if (!table.find("dissipation")) return out; // by an earlier version
     for (std::size_t i = 0; i < table.rows(); ++i) {
-        FrameShearRates frame{table.column("time")[i], {}, table.column("mean")[i]};
+        FrameShearRates frame{table.column("time")[i], {}, table.column("mean")[i], table.column("dissipation")[i]};
         for (std::size_t k = 0; k < frame.quantiles.size(); ++k)
             frame.quantiles[k] = table.column(quantile_name(FrameShearRates::quantile_levels[k]))[i];
         out.push_back(frame);

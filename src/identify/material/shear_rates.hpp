@@ -20,6 +20,7 @@ public:
     double quantile(double level) const;
     // Mean weighted by dissipation [1/s]; 0 when empty.
     double mean() const;
+    double sum() const; // of the weights
     const std::array<double, bins>& weights() const { return weights_; }
 
 private:
@@ -32,10 +33,11 @@ struct FrameShearRates {
     double time = 0;                                                                     // [s]
     std::array<double, 5> quantiles{}; // [1/s] one for each of `quantile_levels`
     double mean = 0;                   // [1/s] weighted by dissipation
+    double dissipation = 0;            // of the frame, against that of others of the run
 };
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates);
-// Mean from one time [s] to another, by straight lines between the frames, which are in the order of time [1/s].
-double mean_between(const std::vector<FrameShearRates>& frames, double from, double to);
+// The frame nearest to a time [s], of some in the order of time.
+const FrameShearRates& nearest_frame(const std::vector<FrameShearRates>& frames, double time);
 
 // shear_rates_by_frame.csv in a run's folder. Throws SimulationError.
 void write_frame_shear_rates(const std::filesystem::path& folder, const std::vector<FrameShearRates>& frames);
