@@ -46,12 +46,12 @@ double rate_of_answer(const identify::StudyFile& file, const identify::Estimate&
     std::vector<std::vector<identify::FrameShearRates>> frames;
     for (const auto run : runs) frames.push_back(identify::read_frame_shear_rates(folder_of(run)));
     double sum = 0, weights = 0;
-    for (std::size_t k = 0; k < estimate.shares.size(); ++k) {
+    for (std::size_t k = 0; k < estimate.information_fraction.size(); ++k) {
         const auto& experiment = file.experiments[estimate.misfit_of[k]];
         const auto scene = std::size_t(&file.scene_of(experiment) - file.study.scenes.data());
         if (scene >= frames.size() || frames[scene].empty()) return 0;
         const auto& frame = identify::nearest_frame(frames[scene], estimate.times[k]);
-        const double weight = estimate.shares[k] * frame.dissipation;
+        const double weight = estimate.information_fraction[k] * frame.dissipation;
         sum += weight * frame.mean;
         weights += weight;
     }

@@ -118,12 +118,12 @@ void tell_misfit(Estimate& out, const EvaluatedRun& run, const Layout& layout, c
 }
 
 // (I7) Shares of the frames in the information on a single parameter, sums of `telling` by rows.
-void tell_shares(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
+void tell_information(Estimate& out, const EvaluatedRun& run, const Layout& layout, const Vector& telling) {
     std::map<std::pair<std::size_t, int>, double> sums;
     for (std::size_t i = 0; i < layout.rows.size(); ++i)
         sums[{layout.rows[i].experiment, at(run, layout.rows[i]).frame}] += telling[Eigen::Index(i)];
     const double all = telling.sum();
-    for (const auto& [frame, sum] : sums) out.shares.push_back(all > 0 ? sum / all : 0);
+    for (const auto& [frame, sum] : sums) out.information_fraction.push_back(all > 0 ? sum / all : 0);
 }
 
 // By frame of all experiments: how far the run's liquid goes on beyond the observed one, in usual noises, a segment each. Empty where nothing is compared by contours.
@@ -330,7 +330,7 @@ private:
     void tell_drifts() {
         const WholeFit all{best_, layout_, result_, model_.gradient.col(0), views_, view_information(), blocks_};
         for (std::size_t e = 0; e < layout_.experiments; ++e) out_.drifts.push_back(drift_of(e, all));
-        tell_shares(out_, best_, layout_, result_.weights.cwiseProduct(all.gradient.cwiseAbs2()));
+        tell_information(out_, best_, layout_, result_.weights.cwiseProduct(all.gradient.cwiseAbs2()));
     }
 
     Given given_;

@@ -84,14 +84,13 @@ struct Estimate {
     double curvature = 0; // share of the local model's square term in a standard deviation: small where it is linear
     std::vector<double> misfit; // by frame of all experiments in turn: root mean square residual left over, in its unit
     std::vector<double> times;  // [s] of those frames
-    std::vector<std::size_t> misfit_of; // experiment of those frames
-    std::vector<double>
-        shares; // of those frames, of a single parameter: of the information on it (I7)
-    std::vector<Drift> drifts; // per experiment, of a single parameter
-    double alike = 0;          // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
-    int block_frames = 0;      // frames over which the displacements left over are correlated
-    std::size_t blocks = 0;    // blocks of frames and sectors of the picture that the jackknife leaves out in turn
-    std::size_t runs = 0;      // that the local model is fitted to
+    std::vector<std::size_t> misfit_of;       // experiment of those frames
+    std::vector<double> information_fraction; // of those frames, of a single parameter: of the information on it (I7)
+    std::vector<Drift> drifts;                // per experiment, of a single parameter
+    double alike = 0;       // difference of objectives that a likelihood ratio of 90 % allows, segments diluted
+    int block_frames = 0;   // frames over which the displacements left over are correlated
+    std::size_t blocks = 0; // blocks of frames and sectors of the picture that the jackknife leaves out in turn
+    std::size_t runs = 0;   // that the local model is fitted to
 };
 
 // (I1) Gauss-Newton on signed residuals r(theta, v) = r + g (theta - theta_0) + J v: r and g of each segment by a

@@ -124,10 +124,11 @@ TEST(Estimate, AViscosityThatRisesOverTheFramesIsSeenInWindowsOfTime) {
 TEST(Estimate, LateFramesTellMore) {
     const Film film(1, 1e-9, 1, 1, 0);
     const auto found = estimate(film.runs(), prior(1e-6));
-    ASSERT_EQ(found.shares.size(), std::size_t(frames));
+    ASSERT_EQ(found.information_fraction.size(), std::size_t(frames));
     double squares = 0;
     for (int f = 0; f < frames; ++f) squares += double(f) * f;
-    for (int f = 0; f < frames; ++f) EXPECT_NEAR(found.shares[std::size_t(f)], f * f / squares, 1e-3 / frames);
+    for (int f = 0; f < frames; ++f)
+        EXPECT_NEAR(found.information_fraction[std::size_t(f)], f * f / squares, 1e-3 / frames);
 }
 
 // 90 % intervals hold the truth in about 90 % of films although segments are not independent; independent segments would
