@@ -5,13 +5,18 @@
 #include "grid/transport/face_fields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 namespace treacle::grid {
 
 namespace {
 // Residual over the right-hand side up to which the step is accepted; the report has it.
 constexpr double most_residual = 1e-2;
+// Mean of the pressure that viscosity adds to a flux over that of inertia, from which the viscous cycle gets twice the sweeps:
+// a fifth to a third fewer iterations then, each with its sums over the ranks, in the same time.
+constexpr double stiff = 10;
 
 solve::IdrOptions idr_options(const StokesOptions& options) {
     solve::IdrOptions out;
@@ -117,6 +122,9 @@ void Stokes::weigh(const System& system) {
     for (std::size_t r = 0; r < m; ++r) {
         weights_[n + r] = inertia / diagonal(parts.pressure.matrix().blocks(), r) + stiffness_[r];
     }
+    std::array<double, 2> sums{std::accumulate(stiffness_.begin(), stiffness_.end(), 0.0), inertia * double(m)};
+    comm_.sum(sums);
+    if (sums[0] > stiff * sums[1]) parts.viscous.set_fine_sweeps(solve::FineSweeps::there_and_back);
 }
 
 void Stokes::load(const System& system, const FaceField& velocity, const rigid::RigidBodies& bodies) {
@@ -167,6 +175,7 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
     report.solve = idr_.solve(operator_, b_, x_, options_.residual);
     report.solve.set_up_seconds = before;
     operator_ = {};
+    parts.viscous.set_fine_sweeps(solve::FineSweeps::once); // that of solves of the viscosity alone
     check(report.solve, report.unknowns);
     const auto x = std::span<const double>(x_);
     report.loads = parts.pressure.loads(x.last(system.m));

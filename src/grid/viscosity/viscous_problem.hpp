@@ -42,6 +42,7 @@ public:
     void write(std::span<const double> x, const FaceField& velocity);
     void precondition(std::span<const double> r, std::span<double> z) { solver_.precondition(r, z); }
     void set_up_preconditioner() { solver_.set_up(*matrix_); }
+    void set_fine_sweeps(solve::FineSweeps sweeps) { multilevel_.set_fine_sweeps(sweeps); } // of the multilevel one
     solve::SolveReport solve(std::span<const double> b, std::span<double> x, const solve::ConvergenceTest& test) {
         return solver_.solve(*matrix_, b, x, test);
     }

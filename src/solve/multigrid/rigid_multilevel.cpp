@@ -291,7 +291,9 @@ void RigidMultilevel::State::cycle(
         if (left) level.residual(shift(depth, r, border_z), z, *left);
         return;
     }
+    const bool back_too = depth == 0 && options->fine_sweeps == FineSweeps::there_and_back;
     level.sweep_forward_from_zero(r, z, level.t);
+    if (back_too) level.sweep_backward(r, z, level.t);
     stage.border_r.resize(count());
     pull(depth, z, border_r, stage.border_r);
     if (!last) {
@@ -300,6 +302,7 @@ void RigidMultilevel::State::cycle(
         solve_last({}, stage.border_r, {}, border_z);
     }
     const auto right = shift(depth, r, border_z);
+    if (back_too) level.sweep_forward(right, z);
     if (left)
         level.sweep_backward(right, z, *left);
     else

@@ -5,6 +5,9 @@
 
 namespace treacle::solve {
 
+// Sweeps of the finest level: one before its coarse correction and one back behind it, or one there and one back each time.
+enum class FineSweeps { once, there_and_back };
+
 struct RigidMultilevelOptions {
     // Coarse matrices are divided by these, from 1 to below 2: that of the finest aggregates, those below.
     double overcorrection = 1.6, coarse_overcorrection = 1.8;
@@ -13,6 +16,7 @@ struct RigidMultilevelOptions {
     int box = 3, small_aggregate_width = 2;
     int small_rows = 200000;
     Cycle cycle = Cycle::w;
+    FineSweeps fine_sweeps = FineSweeps::once;
     int max_coarse_size = 300;    // most unknowns that are solved for directly
     int min_rows_per_rank = 1000; // levels with fewer on average are gathered onto every eighth rank
 };
@@ -55,12 +59,15 @@ public:
     // z = M r, collective.
     void apply(std::span<const double> r, std::span<double> z);
 
+    // From the next apply() on, the same on all ranks.
+    void set_fine_sweeps(FineSweeps sweeps) { options_.fine_sweeps = sweeps; }
+
     // Collective. The first one is the matrix itself.
     std::vector<LevelSize> sizes() const;
     // Memory of this rank [bytes].
     std::size_t bytes() const;
 
-    // As given to the constructor, checked.
+    // As given to the constructor, checked, and set since.
     const RigidMultilevelOptions& options() const { return options_; }
 
 private:
