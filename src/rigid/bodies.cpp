@@ -111,15 +111,14 @@ void RigidBodies::begin(double dt) {
 }
 
 void RigidBodies::fall(double dt) {
+    std::vector<double> weights(6 * size(), 0.0);
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
-        const auto& setup = setup_.bodies[b];
         for (std::size_t k = 0; k < static_cast<std::size_t>(setup_.dimensions); ++k) {
-            given_[6 * b + k] += dt * setup.mass * setup_.gravity[k];
-            if (!setup.locked[k]) states_[b].velocity[k] += dt * setup_.gravity[k];
+            weights[6 * b + k] = setup_.bodies[b].mass * setup_.gravity[k];
         }
     }
-    constrain_joints(step_ > 0 ? step_ : dt);
+    push(weights, dt);
 }
 
 void RigidBodies::push(std::span<const double> loads, double dt) {

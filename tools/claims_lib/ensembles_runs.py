@@ -70,6 +70,12 @@ def lines_of(folder, out, kind):
     return [line for line in map(json.loads, path.read_text().splitlines()) if kind in line] if path.exists() else []
 
 
+def count_ended(folder, out):
+    """Runs that have an outcome, of a journal that may be written meanwhile."""
+    path = folder / out / "journal.jsonl"
+    return path.read_bytes().count(b'"ended":') if path.exists() else 0
+
+
 def faulty_runs(context):
     with scratch(context, "faulty") as folder:
         lay_out(context, folder, points=20)
@@ -115,7 +121,7 @@ def killed(context):
             process = subprocess.Popen([built(context, "treacle"), "sweep", "study.yaml", "--out", "out", "--set", f"runs.lanes={1 + kills % 4}"],
                                        cwd=folder, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             begun = len(lines_of(folder, "out", "ended")) if kills else 0
-            while process.poll() is None and len((folder / "out/journal.jsonl").read_bytes().split(b'"ended"')) - 1 <= begun if (folder / "out/journal.jsonl").exists() else process.poll() is None:
+            while process.poll() is None and count_ended(folder, "out") <= begun:
                 time.sleep(0.01)
             time.sleep(chance.uniform(0, 0.5))
             if process.poll() is not None:

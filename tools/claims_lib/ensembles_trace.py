@@ -1,10 +1,10 @@
 """Row of `ensembles` on the trace of CMA-ES: what it asks for on any lanes and after a kill."""
 
-import json
 import signal
 import subprocess
 import time
 
+from .ensembles_runs import count_ended, lines_of
 from .identify_trust import SCENE, lay_out
 from .run import built, environment, execute, scratch
 from .table import Figure
@@ -27,20 +27,14 @@ runs: {speculate: false}
 
 def asked(folder, out):
     """Candidates in the order of their numbers, with what they were asked for."""
-    lines = map(json.loads, (folder / out / "journal.jsonl").read_text().splitlines())
-    return sorted((line["asked"], line["values"]) for line in lines if "asked" in line)
-
-
-def ended(folder, out):
-    path = folder / out / "journal.jsonl"
-    return path.read_text().count('"ended":') if path.exists() else 0
+    return sorted((line["asked"], line["values"]) for line in lines_of(folder, out, "asked"))
 
 
 def kill_when(context, folder, out, runs, lanes):
     """A search that is killed as soon as some runs have ended."""
     process = subprocess.Popen([built(context, "treacle"), "identify", "study.yaml", "--out", out, "--set", f"runs.lanes={lanes}"],
                                cwd=folder, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while process.poll() is None and ended(folder, out) < runs:
+    while process.poll() is None and count_ended(folder, out) < runs:
         time.sleep(0.01)
     process.send_signal(signal.SIGKILL)
     process.wait()
@@ -52,7 +46,7 @@ def trace(context):
         (folder / "slipping.yaml").write_text(SCENE.replace(*FLOOR))
         (folder / "study.yaml").write_text(STUDY)
         kill_when(context, folder, "killed", 9, lanes=3)
-        before = ended(folder, "killed")
+        before = count_ended(folder, "killed")
         for out, lanes in (("1", 1), ("2", 2), ("3", 3), ("4", 4), ("killed", 2)):
             execute(context, [built(context, "treacle"), "identify", "study.yaml", "--out", out, "--set", f"runs.lanes={lanes}"], cwd=folder)
         traces = {out: asked(folder, out) for out in ("1", "2", "3", "4", "killed")}

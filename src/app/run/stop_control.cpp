@@ -22,9 +22,9 @@ StopControl::StopControl(const Comm& comm, std::filesystem::path stop_file, doub
 
 StopControl::~StopControl() {
     for (const auto& [number, handler] : earlier_) {
-        const bool by_default = handler == SIG_ERR || handler == SIG_DFL;
-        // What warns of a time limit must not kill a program whose run has just ended.
-        std::signal(number, !by_default ? handler : number == SIGUSR1 ? SIG_IGN : SIG_DFL);
+        // A warning of a time limit must not kill a program whose run has just ended.
+        const auto by_default = number == SIGUSR1 ? SIG_IGN : SIG_DFL;
+        std::signal(number, handler == SIG_ERR || handler == SIG_DFL ? by_default : handler);
     }
 }
 

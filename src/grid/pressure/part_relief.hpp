@@ -7,7 +7,7 @@
 
 namespace treacle::grid {
 
-// What dynamic bodies relieve of closed parts of the liquid (P3). A constant pressure 1 in part p pushes and turns the bodies
+// Relief of closed parts of the liquid by dynamic bodies (P3). A constant pressure 1 in part p pushes and turns the bodies
 // by u_p; with their inverse mass K the constants meet by W = U^T K U, of which this keeps a factor, W = L L^T, with a column
 // for each part that is relieved independently of those before it (pivoted Cholesky). All of it is the same on all ranks.
 class PartRelief {

@@ -122,9 +122,14 @@ void Stokes::weigh(const System& system) {
     for (std::size_t r = 0; r < m; ++r) {
         weights_[n + r] = inertia / diagonal(parts.pressure.matrix().blocks(), r) + stiffness_[r];
     }
-    std::array<double, 2> sums{std::accumulate(stiffness_.begin(), stiffness_.end(), 0.0), inertia * double(m)};
+}
+
+// After weigh().
+bool Stokes::is_stiff(const System& system) const {
+    std::array<double, 2> sums{
+        std::accumulate(stiffness_.begin(), stiffness_.end(), 0.0), system.inertia * double(system.m)};
     comm_.sum(sums);
-    if (sums[0] > stiff * sums[1]) parts.viscous.set_fine_sweeps(solve::FineSweeps::there_and_back);
+    return sums[0] > stiff * sums[1];
 }
 
 void Stokes::load(const System& system, const FaceField& velocity, const rigid::RigidBodies& bodies) {
@@ -169,6 +174,7 @@ StokesReport Stokes::solve(const Parts& parts, const FaceField& velocity, rigid:
         [&system](auto r, auto z) { system.precondition(r, z); }, weights_};
     parts.pressure.set_up_preconditioner();
     parts.viscous.set_up_preconditioner();
+    parts.viscous.set_fine_sweeps(is_stiff(system) ? solve::FineSweeps::there_and_back : solve::FineSweeps::once);
     load(system, velocity, bodies);
     choose_guess(system);
     const double before = seconds_since(start);

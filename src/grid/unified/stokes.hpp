@@ -46,6 +46,7 @@ private:
     struct System;
     void build(const Parts& parts, const FaceField& velocity, const rigid::RigidBodies& bodies);
     void weigh(const System& system);
+    bool is_stiff(const System& system) const; // collective
     void load(const System& system, const FaceField& velocity, const rigid::RigidBodies& bodies);
     void choose_guess(const System& system);
     void check(const solve::SolveReport& report, std::int64_t unknowns) const;

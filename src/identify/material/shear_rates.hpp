@@ -36,7 +36,7 @@ struct FrameShearRates {
     double dissipation = 0;            // of the frame, against that of others of the run
 };
 FrameShearRates frame_shear_rates(double time, const ShearRates& rates);
-// The frame nearest to a time [s], of some in the order of time.
+// The frame nearest to a time [s], of one or more.
 const FrameShearRates& nearest_frame(const std::vector<FrameShearRates>& frames, double time);
 
 // shear_rates_by_frame.csv in a run's folder. Throws SimulationError.

@@ -24,7 +24,7 @@ public:
     // obliquely by the plane. Of unions, intersections and differences exact where the nearest point of one part
     // is on the surface of the whole, elsewhere within 1e-3 of the size but at corners of three parts, where they may be too
     // large by 1/48 of the size, in 2D 1/512 (src/scene/solid.hpp); of those without end a lower bound.
-    // What is known of it makes it quicker for meshes (scene/sampling/nearby_distance.hpp).
+    // Knowledge of it makes it quicker for meshes (scene/sampling/nearby_distance.hpp).
     double distance(const Vec3& x, DistanceBound known = {}) const;
     Vec3 normal(const Vec3& x) const; // unit, gradient of distance: outward at the surface
     Bounds bounds() const;            // of the region; infinite for planes and inverted shapes

@@ -173,23 +173,34 @@ TEST_F(BodiesInLiquid, TooLightAreThrownByWeakCouplingAndNotByStrong) {
     }
 }
 
-// A piston without weight of its own closes a box of liquid: the constant of the pressure carries it.
-TEST_F(BodiesInLiquid, ThatCloseABoxAreCarriedByTheConstantOfThePressure) {
+// A box full of liquid below a body of 250 kg that closes it.
+PressureSample box_below_a_lid() {
     PressureSample sample;
     sample.options.residual = 1e-13;
     const double level = 0.71;
     sample.liquid = [=](const Vec3& x) { return x[2] - level - 0.02; };
     sample.body = [=](const Vec3& x) { return level - x[2]; };
     sample.bodies.bodies = {free_body({0.5, 0.5, 0.9}, 250, 0.2)};
-    sample.bodies.bodies[0].locked = {true, true, false, true, true, true};
     sample.bodies.gravity = gravity;
     sample.bodies.spacing = 1.0 / sample.cells;
-    PressureCase test(comm, sample);
-    test.bodies.begin(dt);
-    test.bodies.fall(dt);
+    return sample;
+}
+
+// Gravity on all for a step [s], and the pressure.
+PressureReport fall(PressureCase& test, double step) {
+    test.bodies.begin(step);
+    test.bodies.fall(step);
     test.build();
-    test.accelerate(gravity, dt);
-    const auto report = test.project(dt);
+    test.accelerate(gravity, step);
+    return test.project(step);
+}
+
+// A piston without weight of its own closes a box of liquid: the constant of the pressure carries it.
+TEST_F(BodiesInLiquid, ThatCloseABoxAreCarriedByTheConstantOfThePressure) {
+    auto sample = box_below_a_lid();
+    sample.bodies.bodies[0].locked = {true, true, false, true, true, true};
+    PressureCase test(comm, sample);
+    const auto report = fall(test, dt);
     EXPECT_EQ(report.closed, 1);
     EXPECT_LT(std::fabs(test.bodies.velocity(0)[2]), 1e-9);
     EXPECT_LT(test.max_speed(), 1e-9);
@@ -202,24 +213,13 @@ TEST_F(BodiesInLiquid, OnHingesCloseABoxByWhereTheHingeIs) {
     const double shorter = 1e-2 * dt; // in which the hinge's chord is a straight line to 1e-8
     for (const double axle : {0.0, 0.5}) {
         SCOPED_TRACE(axle);
-        PressureSample sample;
-        sample.options.residual = 1e-13;
-        const double level = 0.71;
-        sample.liquid = [=](const Vec3& x) { return x[2] - level - 0.02; };
-        sample.body = [=](const Vec3& x) { return level - x[2]; };
-        sample.bodies.bodies = {free_body({0.5, 0.5, 0.9}, 250, 0.2)};
+        auto sample = box_below_a_lid();
         rigid::JointSetup hinge;
         hinge.point = {axle, 0.5, 0.9};
         hinge.axis = {0.6, 0.8, 0};
         sample.bodies.joints = {hinge};
-        sample.bodies.gravity = gravity;
-        sample.bodies.spacing = 1.0 / sample.cells;
         PressureCase test(comm, sample);
-        test.bodies.begin(shorter);
-        test.bodies.fall(shorter);
-        test.build();
-        test.accelerate(gravity, shorter);
-        const auto report = test.project(shorter);
+        const auto report = fall(test, shorter);
         EXPECT_EQ(report.closed, 1);
         EXPECT_TRUE(report.solve.converged());
         EXPECT_LT(test.max_speed(), 1e-8);
@@ -230,22 +230,11 @@ TEST_F(BodiesInLiquid, OnHingesCloseABoxByWhereTheHingeIs) {
 
 // A piston closes two boxes side by side: with only one motion for two constants, one of them stays free.
 TEST_F(BodiesInLiquid, CloseTwoBoxesByOneMotion) {
-    PressureSample sample;
-    sample.options.residual = 1e-13;
-    const double level = 0.71;
-    sample.liquid = [=](const Vec3& x) { return x[2] - level - 0.02; };
+    auto sample = box_below_a_lid();
     sample.solid = [](const Vec3& x) { return std::fabs(x[0] - 0.4) - 0.07; };
-    sample.body = [=](const Vec3& x) { return level - x[2]; };
-    sample.bodies.bodies = {free_body({0.5, 0.5, 0.9}, 250, 0.2)};
     sample.bodies.bodies[0].locked = {true, true, false, true, true, true};
-    sample.bodies.gravity = gravity;
-    sample.bodies.spacing = 1.0 / sample.cells;
     PressureCase test(comm, sample);
-    test.bodies.begin(dt);
-    test.bodies.fall(dt);
-    test.build();
-    test.accelerate(gravity, dt);
-    const auto report = test.project(dt);
+    const auto report = fall(test, dt);
     EXPECT_EQ(report.closed, 2);
     EXPECT_LT(report.incompatible_fraction, 1e-12);
     EXPECT_LT(std::fabs(test.bodies.velocity(0)[2]), 1e-9);
