@@ -44,6 +44,8 @@ constexpr std::array<Part, 2> of_liquid{Part{6, 0, 3}, Part{6, 3, 6}};
 constexpr std::array<Part, 2> of_bodies{
     Part{EndMotion::body_numbers, 0, 3}, Part{EndMotion::body_numbers, 3, EndMotion::body_numbers}};
 
+constexpr Part of_orbits{EndMotion::body_numbers, 6, EndMotion::body_numbers};
+
 // Sums |rate - before|^2 and |rate|^2 + |before|^2.
 void add_squares(
     std::span<const double> rate, std::span<const double> before, const Part& part, std::array<double, 2>& sums) {
@@ -59,22 +61,26 @@ void add_lead(std::span<const double> rate, std::span<const double> before, cons
 }
 } // namespace
 
-void EndMotion::record(Middle middle, std::span<const double> impacts, const StepTimes& times) {
+// Where momenta are led and their moments are not, the weights' moments are: they act on nothing else.
+void EndMotion::record(Middle middle, const Known& known, const StepTimes& times) {
     Middle rate;
     const auto liquid = rate_of(middle.liquid, middle_.liquid, times.kick);
     std::copy(liquid.begin(), liquid.end(), rate.liquid.begin());
-    rate.bodies = rate_of(difference(middle.bodies, impacts), middle_.bodies, times.kick);
+    rate.bodies = rate_of(difference(middle.bodies, known.impacts), middle_.bodies, times.kick);
     if (times.first) rate_ = rate;
     end_ = middle.liquid;
     std::ranges::fill(lead_, 0.0);
+    std::array<bool, 2> leads{};
     for (std::size_t half = 0; half < of_liquid.size(); ++half) {
         std::array<double, 2> sums{0, 0};
         add_squares(rate.liquid, rate_.liquid, of_liquid[half], sums);
         add_squares(rate.bodies, rate_.bodies, of_bodies[half], sums);
-        if (!(sums[0] < smooth_fraction * sums[1])) continue;
+        leads[half] = sums[0] < smooth_fraction * sums[1];
+        if (!leads[half]) continue;
         add_lead(rate.liquid, rate_.liquid, of_liquid[half], times.drift, end_);
         add_lead(rate.bodies, rate_.bodies, of_bodies[half], times.drift, lead_);
     }
+    if (leads[0] && !leads[1]) add_lead(known.weights, known.weights, of_orbits, times.drift, lead_);
     middle_ = std::move(middle);
     rate_ = std::move(rate);
 }

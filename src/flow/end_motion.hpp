@@ -46,8 +46,12 @@ public:
     void start(Middle middle);
     // The same, with the rates [1/s] that forces known before the first step give, which is then not StepTimes::first.
     void start(Middle middle, Middle rate);
-    // `impacts`: what impacts of the bodies have made of their change since the last step, and is no rate.
-    void record(Middle middle, std::span<const double> impacts, const StepTimes& times);
+    // What is known of the bodies' changes, as Middle::bodies: `impacts`: what impacts have made of them since the last step, and is
+    // no rate; `weights`: the rates that gravity alone gives [1/s].
+    struct Known {
+        std::span<const double> impacts, weights;
+    };
+    void record(Middle middle, const Known& known, const StepTimes& times);
     const std::array<double, 6>& liquid() const { return end_; }
     // Momenta of the bodies at the end before those of the middle, as Middle::bodies.
     const std::vector<double>& lead() const { return lead_; }

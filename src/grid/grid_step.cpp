@@ -29,6 +29,7 @@ GridStep::GridStep(const Comm& comm, const GridSetup& setup)
       correction_(grid_) {
     particle_mass_ = Array<double>("treacle::particle_mass", static_cast<std::size_t>(setup.liquids));
     Kokkos::deep_copy(particle_mass_, setup.density * particle_volume(grid_));
+    if (balances()) balance_.add_field(particles_);
 }
 
 namespace {
@@ -47,6 +48,7 @@ void GridStep::start() {
     distribute_particles();
     if (before_ > 0) return;
     begin_velocities(particles_, 0);
+    if (balances()) keep_angular_momenta(balance_scene(), 0);
     fill_rest_densities(particles_, particle_mass_, particle_volume(grid_));
     end_motion_.start(middle_motion());
 }
@@ -198,7 +200,8 @@ void GridStep::find_inflow(const FaceField& open) {
 }
 
 MomentumBalance::Scene GridStep::balance_scene() {
-    return {grid_, cells_halo_, cells_, distance_, fractions_.face_fluid, body_fractions_, particles_, particle_mass_};
+    return {grid_, cells_halo_, cells_, distance_, fractions_.face_fluid, body_fractions_, particles_,
+        balance_.kept(particles_), particle_mass_};
 }
 
 // (M)
@@ -231,7 +234,9 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     report.imbalance = load_imbalance(comm_, particles_.store.owned());
     if (gone.lost + gone.outflow > 0) report.lost = remove_departed(particles_);
     report.lost_by_cause[static_cast<std::size_t>(LossCause::outflow) - 1] = gone.outflow;
+    const int stay = particles_.store.owned();
     emit_layers(source_, {before, before + dt}, decomposition_, particles_); // (I)
+    if (balances()) keep_angular_momenta(balance_scene(), stay);
     collect(report);
 }
 
@@ -297,7 +302,8 @@ StepReport GridStep::advance(double dt) {
         correct(report); // (C)
     }
     before_ = times.drift;
-    end_motion_.record(middle_motion(), bodies_.impact_momenta(), times);
+    const auto weights = bodies_.weight_rates();
+    end_motion_.record(middle_motion(), {bodies_.impact_momenta(), weights}, times);
     bodies_.set_lead(end_motion_.lead());
     return report;
 }

@@ -7,7 +7,7 @@
 #include "grid/geometry/level_set.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure/closing.hpp"
-#include "grid/pressure/momentum_balance.hpp"
+#include "grid/momentum/momentum_balance.hpp"
 #include "grid/pressure/pressure.hpp"
 #include "grid/pressure/resting_solids.hpp"
 #include "grid/pressure/separation.hpp"
@@ -125,6 +125,7 @@ public:
     void find_inflow(const FaceField& open);
     double largest_viscosity() const;
     double fastest(const Array3& of) const;
+    std::array<double, 3> sum_of(const Array3& of) const;
 
 private:
     void repartition();

@@ -63,10 +63,28 @@ std::array<double, 9> GridStep::sums(const Array3& velocity) const {
     return sums;
 }
 
+// Sums of a vector of the particles over all ranks.
+std::array<double, 3> GridStep::sum_of(const Array3& of) const {
+    std::array<double, 3> sum{};
+    Kokkos::parallel_reduce(
+        "treacle::vector_sum", particles_.store.owned(),
+        KOKKOS_LAMBDA(int i, double& x, double& y, double& z) {
+            x += of(i, 0);
+            y += of(i, 1);
+            z += of(i, 2);
+        },
+        sum[0], sum[1], sum[2]);
+    comm_.sum(std::span<double>(sum));
+    if (grid_.dimensions == 2) std::ranges::for_each(sum, [&](double& one) { one /= grid_.dx; });
+    return sum;
+}
+
 EndMotion::Middle GridStep::middle_motion() const {
     EndMotion::Middle out;
     const auto all = sums(particles_.velocity());
     std::copy_n(all.begin(), 6, out.liquid.begin());
+    // What was kept is of the middle, before particles were moved.
+    if (balances()) std::ranges::copy(sum_of(balance_.kept(particles_)), out.liquid.begin() + 3);
     out.bodies = bodies_.free_momenta();
     return out;
 }
@@ -76,6 +94,7 @@ LiquidTotals GridStep::totals() const {
     const int n = p.store.owned();
     const auto all = sums(p.end_velocity());
     const auto& momentum = end_motion_.liquid();
+    const auto of_bodies = bodies_.moment_of_lead();
     const auto u = p.end_velocity();
     double fastest = 0;
     Kokkos::parallel_reduce(
@@ -87,7 +106,7 @@ LiquidTotals GridStep::totals() const {
     out.particles = comm_.sum(static_cast<std::int64_t>(n));
     for (std::size_t k = 0; k < 3; ++k) {
         out.momentum[k] = momentum[k];
-        out.angular_momentum[k] = momentum[3 + k];
+        out.angular_momentum[k] = momentum[3 + k] - of_bodies[k];
     }
     out.kinetic_energy = all[6];
     out.potential_energy = all[7];

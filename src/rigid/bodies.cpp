@@ -184,18 +184,40 @@ std::vector<double> RigidBodies::free_momenta() const {
     return out;
 }
 
+std::vector<double> RigidBodies::weight_rates() const {
+    std::vector<double> out(momentum_numbers * size());
+    for (std::size_t b = 0; b < size(); ++b) {
+        if (!dynamic(b)) continue;
+        Vec3 force{0, 0, 0};
+        for (std::size_t k = 0; k < static_cast<std::size_t>(setup_.dimensions); ++k) {
+            if (!setup_.bodies[b].locked[k]) force[k] = setup_.bodies[b].mass * setup_.gravity[k];
+        }
+        const auto at = out.begin() + static_cast<std::ptrdiff_t>(momentum_numbers * b);
+        std::ranges::copy(force, at);
+        std::ranges::copy(cross(pose(b).centre, force), at + 6);
+    }
+    return out;
+}
+
 std::array<double, 6> RigidBodies::momentum() const {
     std::array<double, 6> sum{};
     for (std::size_t b = 0; b < size(); ++b) {
         if (!dynamic(b)) continue;
         const double mass = setup_.bodies[b].mass;
         const Vec3 p = mass * end_velocity(b);
-        // About where the body was when the forces of the lead acted, as the liquid's is.
-        const Vec3 l = cross(pose(b).centre, mass * velocity(b)) + lead(b, 6), own = end_angular_momentum(b);
+        const Vec3 l = cross(pose(b).centre, p), own = end_angular_momentum(b);
         for (std::size_t k = 0; k < 3; ++k) {
             sum[k] += p[k];
             sum[3 + k] += l[k] + own[k];
         }
+    }
+    return sum;
+}
+
+Vec3 RigidBodies::moment_of_lead() const {
+    Vec3 sum{0, 0, 0};
+    for (std::size_t b = 0; b < size(); ++b) {
+        if (dynamic(b)) sum = sum + cross(pose(b).centre, lead(b, 0)) - lead(b, 6);
     }
     return sum;
 }

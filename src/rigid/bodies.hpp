@@ -108,6 +108,9 @@ public:
     // A method whose velocities are those of the middles of steps sets by how much momenta of the ends, for what is
     // shown, are ahead of them: as free_momenta().
     void set_lead(std::vector<double> lead) { lead_ = std::move(lead); }
+    // Angular momentum about the origin [kg m2/s] that leads of linear momentum have where the bodies are, beyond that where the
+    // forces of the lead acted: what acted on bodies and liquid alike is less for the liquid by as much.
+    Vec3 moment_of_lead() const;
     Vec3 end_velocity(std::size_t body) const;
     Vec3 end_spin(std::size_t body) const;
     // About the centre [kg m2/s]; of dynamic bodies.
@@ -120,6 +123,7 @@ public:
     // centre about the origin [kg m2/s].
     static constexpr std::size_t momentum_numbers = 9;
     std::vector<double> free_momenta() const; // [bodies][9], 0 of what is not dynamic
+    std::vector<double> weight_rates() const; // [bodies][9] rates of free_momenta() by gravity [1/s]
     // Changes of free_momenta() by the impacts of the last step.
     const std::vector<double>& impact_momenta() const { return impact_momenta_; }
     // Bound of the speed of any point of a body that moves [m/s].

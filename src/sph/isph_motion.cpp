@@ -3,34 +3,14 @@
 #include "sph/forces/end_velocity.hpp"
 #include "sph/forces/motion.hpp"
 
-#include <algorithm>
 
 // Motion at the ends of steps, and what a checkpoint holds of it.
 namespace treacle::sph {
 
-namespace {
-// Rates of RigidBodies::free_momenta() by gravity.
-std::vector<double> fall_rates(const rigid::RigidBodies& bodies) {
-    std::vector<double> out(rigid::RigidBodies::momentum_numbers * bodies.size());
-    const auto& setup = bodies.setup();
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-        if (!bodies.dynamic(b)) continue;
-        Vec3 force{0, 0, 0};
-        for (std::size_t k = 0; k < static_cast<std::size_t>(setup.dimensions); ++k) {
-            if (!setup.bodies[b].locked[k]) force[k] = setup.bodies[b].mass * setup.gravity[k];
-        }
-        const auto at = out.begin() + static_cast<std::ptrdiff_t>(rigid::RigidBodies::momentum_numbers * b);
-        std::ranges::copy(force, at);
-        std::ranges::copy(rigid::cross(bodies.pose(b).centre, force), at + 6);
-    }
-    return out;
-}
-} // namespace
-
 void IsphStep::begin_motion() {
     begin_velocities(liquid_, 0, setup_.forces.gravity);
     end_motion_.start(middle_motion(),
-        {measure_momentum(comm_, liquid_, setup_.constants, liquid_.rate()), fall_rates(bodies_.rigid)});
+        {measure_momentum(comm_, liquid_, setup_.constants, liquid_.rate()), bodies_.rigid.weight_rates()});
 }
 
 flow::EndMotion::Middle IsphStep::middle_motion() const {
@@ -42,7 +22,8 @@ void IsphStep::end_motion(const flow::StepTimes& times) {
     before_ = times.drift;
     if (!setup_.options.pressure.recovers_positions()) return begin_motion();
     end_velocities(liquid_, times);
-    end_motion_.record(middle_motion(), bodies_.rigid.impact_momenta(), times);
+    const auto weights = bodies_.rigid.weight_rates();
+    end_motion_.record(middle_motion(), {bodies_.rigid.impact_momenta(), weights}, times);
     bodies_.rigid.set_lead(end_motion_.lead());
 }
 
@@ -67,8 +48,12 @@ void IsphStep::restore_history(std::span<const double> state) {
 
 LiquidTotals IsphStep::totals() const {
     auto out = measure_totals(comm_, liquid_, setup_.constants, setup_.forces.gravity, liquid_.end_velocity());
-    std::copy_n(end_motion_.liquid().begin(), 3, out.momentum.begin());
-    std::copy_n(end_motion_.liquid().begin() + 3, 3, out.angular_momentum.begin());
+    const auto& momentum = end_motion_.liquid();
+    const auto of_bodies = bodies_.rigid.moment_of_lead();
+    for (std::size_t k = 0; k < 3; ++k) {
+        out.momentum[k] = momentum[k];
+        out.angular_momentum[k] = momentum[3 + k] - of_bodies[k];
+    }
     return out;
 }
 

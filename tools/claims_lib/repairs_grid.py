@@ -143,7 +143,7 @@ def gripping_drum(context):
 
 
 def hits(context):
-    cases = itertools.product((2, 3), ("no_slip", "free_slip", "{length: 20 mm}"), (0, 1, 100, 1e5), ("step: 1 ms", "step: 5 ms", "cfl: 3"), (1, 2, 3))
+    cases = itertools.product((2, 3), ("no_slip", "free_slip", "slip_length\n    slip_length: 20 mm"), (0, 1, 100, 1e5), ("step: 1 ms", "step: 5 ms", "cfl: 3"), (1, 2, 3))
     linear = angular = 0
     for dimensions, slip, viscosity, step, ranks in context.sample(cases, 4, 24):
         space = dimensions == 3
