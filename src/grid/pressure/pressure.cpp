@@ -23,7 +23,8 @@ solve::Preconditioner translate(Preconditioner kind) {
 
 Pressure::Pressure(const Comm& comm, const PressureOptions& options, Coupling coupling, int dimensions)
     : comm_(comm), options_(options), coupling_kind_(coupling),
-      multilevel_(comm, {.overcorrection = 1.75, .relaxation = 1.2, .interface_sweeps = true}),
+      multilevel_(
+          comm, {.smoother = options.smoother, .overcorrection = 1.75, .relaxation = 1.2, .interface_sweeps = true}),
       solver_(comm, "pressure", krylov(dimensions)) {}
 
 solve::KrylovOptions Pressure::krylov(int dimensions) {

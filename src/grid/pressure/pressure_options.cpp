@@ -6,6 +6,11 @@ namespace treacle::grid {
 
 void PressureOptions::declare(Declaration& d) {
     declare_solve(d, preconditioner, residual, max_iterations);
+    d.choice("smoother", smoother,
+        {{"gauss_seidel", solve::Smoother::gauss_seidel}, {"chebyshev", solve::Smoother::chebyshev}},
+        "Of `multilevel`: `gauss_seidel` sweeps row by row on one thread of each rank; `chebyshev`, a polynomial, runs "
+        "on "
+        "all threads and on devices, and is the default there.");
     d.number("min_theta", min_theta, unit::none, range_between(1e-6, 0.5),
         "Least distance along an axis, in grid widths, that a cell's centre is taken to have from the liquid's "
         "surface (theta of the ghost fluid method). Liquid at rest below a surface along no axis moves where it "

@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/mac/solver_options.hpp"
+#include "solve/multigrid/smoother.hpp"
 
 namespace treacle::grid {
 
@@ -12,6 +13,7 @@ enum class Ceilings {
 // Options of the block `pressure`.
 struct PressureOptions {
     Preconditioner preconditioner = Preconditioner::multilevel; // of the conjugate gradients
+    solve::Smoother smoother = solve::default_smoother();       // of Preconditioner::multilevel
     double residual = 1e-8;                                     // relative
     int max_iterations = 1000;                                  // of one solve; beyond: SimulationError
     double min_theta = 1e-4;              // of a cell's centre from the surface, in widths (ghost fluid)

@@ -1,7 +1,6 @@
 #include "sph/model/options.hpp"
 
 #include "base/options/options.hpp"
-#include "solve/multigrid/multilevel.hpp"
 
 namespace treacle::sph {
 
@@ -18,11 +17,6 @@ void check_tolerance(Declaration& d, const std::string& key, double value) {
     d.check(value == 0 || value >= least_tolerance, key, {"must be 0 or at least 1e-14", unreachable, accurate});
 }
 } // namespace
-
-MultilevelSmoother default_smoother() {
-    return solve::default_smoother() == solve::Smoother::chebyshev ? MultilevelSmoother::chebyshev
-                                                                   : MultilevelSmoother::gauss_seidel;
-}
 
 void DensityOptions::declare(Declaration& d) {
     d.choice("kind", kind,
@@ -44,14 +38,14 @@ void MultilevelOptions::declare(Declaration& d) {
     d.number("overcorrection", overcorrection, unit::none, range_between(1, 1.95),
         "What the coarse matrices of `multilevel` are divided by.");
     d.choice("smoother", smoother,
-        {{"gauss_seidel", MultilevelSmoother::gauss_seidel}, {"jacobi", MultilevelSmoother::jacobi},
-            {"chebyshev", MultilevelSmoother::chebyshev}},
+        {{"gauss_seidel", solve::Smoother::gauss_seidel}, {"jacobi", solve::Smoother::jacobi},
+            {"chebyshev", solve::Smoother::chebyshev}},
         "Smoother of `multilevel`: `gauss_seidel` sweeps row by row on one thread of each rank; `chebyshev`, a "
         "polynomial, "
         "runs on all threads and on devices, and is the default there; `jacobi`, weighted, is for the particles alone, "
         "coarse levels sweep. `multilevel_rediscretised` always takes weighted Jacobi.");
     d.number("jacobi_weight", jacobi_weight, unit::none, range_above_to(0, 1), "Weight of the Jacobi smoother.");
-    d.choice("cycle", cycle, {{"v", MultilevelCycle::v}, {"w", MultilevelCycle::w}},
+    d.choice("cycle", cycle, {{"v", solve::Cycle::v}, {"w", solve::Cycle::w}},
         "Each coarse level of `multilevel` once, or twice for each time of the one above. `multilevel_rediscretised` "
         "always takes the V-cycle.");
     d.integer("coarse_sweeps", coarse_sweeps, range_at_least(1), "Smoothing sweeps each way on coarse levels.");

@@ -1,4 +1,5 @@
 #pragma once
+#include "solve/multigrid/smoother.hpp"
 #include "sph/model/kernels.hpp"
 
 namespace treacle {
@@ -73,13 +74,6 @@ enum class SurfaceTensionModel {
     cohesion, // Becker & Teschner 2007
     curvature // Morris 2000
 };
-// Visits of coarse levels: once, or twice for each time of the level above.
-enum class MultilevelCycle { v, w };
-// Smoother of the particles' level.
-enum class MultilevelSmoother { gauss_seidel, jacobi, chebyshev };
-// The faster one on this back end: solve::default_smoother().
-MultilevelSmoother default_smoother();
-
 // Options of the block `density` (S1)-(S3).
 struct DensityOptions {
     DensityKind kind = DensityKind::smooth; // blended is the dissertation's (src/sph/measurements.md)
@@ -98,9 +92,9 @@ struct DensityOptions {
 struct MultilevelOptions {
     double cell = 0;             // width of the finest cells in spacings; 0: the neighbour search's
     double overcorrection = 1.6; // what coarse matrices are divided by
-    MultilevelSmoother smoother = default_smoother();
+    solve::Smoother smoother = solve::default_smoother();
     double jacobi_weight = 2.0 / 3; // above 0, at most 1
-    MultilevelCycle cycle = MultilevelCycle::w;
+    solve::Cycle cycle = solve::Cycle::w;
     int coarse_sweeps = 1;
     double grid_factor = 1.2; // lambda of the dissertation
 

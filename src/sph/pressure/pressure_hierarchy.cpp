@@ -24,21 +24,12 @@ CellGrid finest_grid(const SphOptions& options, const Constants& constants, cons
     return grid;
 }
 
-solve::Smoother translate(MultilevelSmoother smoother) {
-    switch (smoother) {
-    case MultilevelSmoother::gauss_seidel: return solve::Smoother::gauss_seidel;
-    case MultilevelSmoother::jacobi: return solve::Smoother::jacobi;
-    case MultilevelSmoother::chebyshev: return solve::Smoother::chebyshev;
-    }
-    return solve::default_smoother();
-}
-
 solve::MultilevelOptions algebra(const SphOptions& options, const Constants& constants, const CellGrid& grid) {
     const auto& given = options.pressure.multilevel;
     solve::MultilevelOptions out;
     out.overcorrection = given.overcorrection;
-    out.smoother = translate(given.smoother);
-    out.cycle = given.cycle == MultilevelCycle::w ? solve::Cycle::w : solve::Cycle::v;
+    out.smoother = given.smoother;
+    out.cycle = given.cycle;
     out.jacobi_weight = given.jacobi_weight;
     out.coarse_sweeps = given.coarse_sweeps;
     if (options.pressure.preconditioner == PressurePreconditioner::multilevel_rediscretised) {

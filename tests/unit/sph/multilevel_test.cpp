@@ -98,16 +98,16 @@ TEST_P(EachHierarchy, takes_few_iterations_with_a_heavy_liquid_on_a_light_one) {
 
 TEST(ChebyshevHierarchy, takes_hardly_more_iterations_than_sweeps_and_the_same_on_any_number_of_ranks) {
     for (const double residual : {1e-3, 1e-6}) {
-        const auto iterations = [&](const Comm& comm, MultilevelSmoother smoother) {
+        const auto iterations = [&](const Comm& comm, solve::Smoother smoother) {
             auto options = with(PressurePreconditioner::multilevel, residual);
             options.pressure.multilevel.smoother = smoother;
             StepReport report;
             stepped(comm, tank(20, 3, options), report);
             return report.pressure.iterations;
         };
-        const int alone = iterations(Comm::self(), MultilevelSmoother::chebyshev);
-        EXPECT_LE(alone, iterations(Comm::self(), MultilevelSmoother::gauss_seidel) + 1);
-        EXPECT_NEAR(iterations(Comm::world(), MultilevelSmoother::chebyshev), alone, 1);
+        const int alone = iterations(Comm::self(), solve::Smoother::chebyshev);
+        EXPECT_LE(alone, iterations(Comm::self(), solve::Smoother::gauss_seidel) + 1);
+        EXPECT_NEAR(iterations(Comm::world(), solve::Smoother::chebyshev), alone, 1);
         RecordProperty(residual < 1e-4 ? "to_1e-6" : "to_1e-3", alone);
     }
 }
