@@ -17,8 +17,8 @@ PLANE = slumping_block.scene("0.62 s", cameras="")
 SPACE = """schema_version: 1
 title: A block of syrup slumps away from a wall
 domain:
-  min: [0, -0.12, 0]
-  max: [0.32, 0.12, 0.084]
+  min: [0, -0.24, 0]
+  max: [0.6, 0.24, 0.12]
   spacing: 6 mm
   symmetry: [y]
   boundaries: {z_min: {slip: no_slip}, x_max: open, y_min: open, y_max: open, z_max: open}
