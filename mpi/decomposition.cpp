@@ -1,6 +1,7 @@
 #include "mpi/decomposition.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace treacle {
@@ -16,6 +17,10 @@ struct Part {
 
 // Cost of a ghost for its rank, in owned particles: a ghost is sent, received and stored, not computed.
 constexpr double ghost_cost = 0.3;
+// Coarse cells of multigrid that a cut divides are two of half the size, and worse ones: a plane that divides none of a
+// level's is worth this much of the least load, on as many levels.
+constexpr double whole_cells_worth = 0.02;
+constexpr int most_levels = 2;
 
 struct Cut {
     int axis = 0;
@@ -33,23 +38,27 @@ int longest_axis(const CellBox& box) {
     return axis;
 }
 
-// The plane across `axis` whose heavier side, with the layer beyond the plane as ghosts, has the least load;
-// both sides keep a layer while there are layers to give.
-Cut best_plane(std::span<const double> histogram, double fraction, int axis, int lo) {
+// The planes across `axis`, each with the load of its heavier side, the layer beyond the plane as ghosts; both sides
+// keep a layer while there are layers to give: use(Cut).
+template <class Use>
+void each_plane(std::span<const double> histogram, double fraction, int axis, int lo, const Use& use) {
     double total = 0;
     for (const double w : histogram) total += w;
-    const int n = static_cast<int>(histogram.size());
-    Cut best{axis, lo + n, 1e300};
     double below = 0;
-    for (int k = 1; k < n; ++k) {
-        const double left = histogram[static_cast<std::size_t>(k - 1)], right = histogram[static_cast<std::size_t>(k)];
+    for (std::size_t k = 1; k < histogram.size(); ++k) {
+        const double left = histogram[k - 1], right = histogram[k];
         below += left;
-        const double load =
-            std::max((below + ghost_cost * right) / fraction, (total - below + ghost_cost * left) / (1 - fraction));
-        if (load < best.load) best = {axis, lo + k, load};
+        use(Cut{axis, lo + static_cast<int>(k),
+            std::max((below + ghost_cost * right) / fraction, (total - below + ghost_cost * left) / (1 - fraction))});
     }
-    return best;
 }
+
+// Levels of coarse cells, each of 2 x 2 x 2 of the level before, that a plane divides none of.
+int undivided_levels(int plane) {
+    return plane == 0 ? most_levels : std::min(most_levels, std::countr_zero(static_cast<unsigned>(plane)));
+}
+
+double worth(const Cut& cut) { return cut.load * (1 - whole_cells_worth * undivided_levels(cut.at)); }
 
 // Best cut among all planes across all axes; `histograms` are the weights of the layers along x, then y, then z.
 Cut best_cut(std::span<const double> histograms, double fraction, const CellBox& box) {
@@ -64,8 +73,9 @@ Cut best_cut(std::span<const double> histograms, double fraction, const CellBox&
         if (k == 0) {
             for (const double w : histogram) total += w;
         }
-        const auto cut = best_plane(histogram, fraction, k, box.lo[k]);
-        if (cut.load < best.load) best = cut;
+        each_plane(histogram, fraction, k, box.lo[k], [&](const Cut& cut) {
+            if (worth(cut) < worth(best)) best = cut;
+        });
     }
     const int n = extent(box, longest);
     if (total > 0 || n <= 1) return best;

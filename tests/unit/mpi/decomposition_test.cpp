@@ -134,6 +134,19 @@ TEST(Decomposition, BalancesASkewedWeight) {
         1e-9 * all);
 }
 
+// Multigrid's coarse cells are 2 and 4 cells wide: a bar of 202 layers, whose middle is 101, is cut at 100; of three ranks the first
+// gets 68 layers in place of 67.
+TEST(Decomposition, DividesNoCoarseCellsWhereThatCostsLittle) {
+    const auto comm = Comm::world();
+    Decomposition decomposition(comm, test::make_grid(3, {202, 4, 4}));
+    const auto weighted = weigh_cells(comm, decomposition.grid(), [](int, int, int) { return 1.0; });
+    decomposition.repartition(weighted.cells, weighted.weights);
+    const auto& first = decomposition.boxes().front();
+    if (comm.size() == 2) EXPECT_EQ(first.hi[0], 100);
+    if (comm.size() == 3) EXPECT_EQ(first.hi[0], 68);
+    for (const auto& box : decomposition.boxes()) EXPECT_TRUE(box.hi[0] == 202 || box.hi[0] % 2 == 0) << box.hi[0];
+}
+
 TEST(Decomposition, ALoadInOneCellGoesToOneRank) {
     const auto comm = Comm::world();
     Decomposition decomposition(comm, test::make_grid(3, {8, 8, 8}));
