@@ -13,6 +13,7 @@ namespace treacle::grid {
 namespace {
 constexpr double least_depth = 0.05;   // widths, of the centre of a cell with a drop or a sheet thinner than it
 constexpr double longest_growth = 1.5; // of a step over the one before it
+constexpr double wave_safety = 0.9;    // of the longest step at which waves stay bounded
 constexpr int layers = 3;              // of halo: what linear interpolation and a step of CFL 3 reach
 } // namespace
 
@@ -332,12 +333,34 @@ double GridStep::fastest(const Array3& of) const {
     return comm_.max(particles_.store.owned() > 0 ? std::sqrt(square) : 0.0);
 }
 
+// Collective: the least number of the particles, infinity where there are none.
+double GridStep::least(const Array<double>& of) const {
+    double out = std::numeric_limits<double>::infinity();
+    Kokkos::parallel_reduce(
+        "treacle::least", particles_.store.owned(), KOKKOS_LAMBDA(int i, double& low) { low = math::min(low, of(i)); },
+        Kokkos::Min<double>(out));
+    return comm_.min(particles_.store.owned() > 0 ? out : std::numeric_limits<double>::infinity());
+}
+
 // Acceleration that may pull at the liquid in the next step: gravity, unless viscosity or solids hold the liquid
 // against it [m/s2]. As that may end, no more than a few times what pulled in the last step.
 double GridStep::pull() const {
     const double gravity = scene::length(setup_.domain.gravity);
     if (!(before_ > 0) || !viscous() || bodies_.any_dynamic()) return gravity;
     return std::min(gravity, 4 * fastest(particles_.acceleration()));
+}
+
+// Longest step [s] for waves of the surface, whose places are those of the beginning of a step: with viscosity implicit a wave of
+// number k stays bounded where g k dt^2 <= 4 + 4 nu k^2 dt. Of all k the grid has, by the thinnest liquid there is.
+double GridStep::wave_step() const {
+    const double g = scene::length(setup_.domain.gravity);
+    const double viscosity = least(particles_.viscosity());
+    if (!(g > 0) || !std::isfinite(viscosity)) return std::numeric_limits<double>::infinity();
+    const double nu = viscosity / setup_.density, shortest = math::pi / grid_.dx;
+    const double a = g * shortest, b = 4 * nu * shortest * shortest;
+    const double of_shortest = (b + std::sqrt(b * b + 16 * a)) / (2 * a);
+    const bool longer_ones_grow = g * of_shortest < 8 * nu * shortest; // that of number g dt / 8 nu first
+    return wave_safety * (longer_ones_grow ? 4 * std::cbrt(nu / (g * g)) : of_shortest);
 }
 
 double GridStep::stable_step(double cfl) const {
@@ -348,6 +371,7 @@ double GridStep::stable_step(double cfl) const {
     // (speed + pull dt) dt = way.
     if (pull > 0 || speed > 0) dt = 2 * way / (speed + std::sqrt(speed * speed + 4 * pull * way));
     if (before_ > 0 && scene::length(setup_.domain.gravity) > 0) dt = std::min(dt, longest_growth * before_);
+    dt = std::min(dt, wave_step());
     if (tensions_.largest() > 0) {
         dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * tensions_.largest())));
     }

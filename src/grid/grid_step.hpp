@@ -5,9 +5,9 @@
 #include "flow/outlets.hpp"
 #include "grid/geometry/closed_centres.hpp"
 #include "grid/geometry/level_set.hpp"
+#include "grid/momentum/momentum_balance.hpp"
 #include "grid/options.hpp"
 #include "grid/pressure/closing.hpp"
-#include "grid/momentum/momentum_balance.hpp"
 #include "grid/pressure/pressure.hpp"
 #include "grid/pressure/resting_solids.hpp"
 #include "grid/pressure/separation.hpp"
@@ -126,6 +126,7 @@ public:
     double largest_viscosity() const;
     double fastest(const Array3& of) const;
     std::array<double, 3> sum_of(const Array3& of) const;
+    double least(const Array<double>& of) const;
 
 private:
     void repartition();
@@ -165,6 +166,7 @@ private:
     bool balances() const { return bodies_.any_moves() && setup_.options.coupling == Coupling::strong; }
     void balance_momentum(StepReport& report, double kick);
     double pull() const;
+    double wave_step() const;
     std::array<double, 9> sums(const Array3& velocity) const;
     EndMotion::Middle middle_motion() const;
     void correct(StepReport& report);

@@ -151,5 +151,28 @@ TEST(StepInTime, GivesACollapsingColumnHardlyAnyEnergy) {
     EXPECT_LT(most, 1.02 * first);
 }
 
+// Water at rest, at the longest steps that are allowed: waves two cells long turn by more than two radians in a step of three cells'
+// fall, and grew until they broke, at half a metre a second for ever.
+TEST(StepInTime, LeavesATankAtRest) {
+    for (const double viscosity : {0.0, 1e-3, 0.1, 5.0}) {
+        auto sample = sample_of(32, 2);
+        sample.setup.viscosity = viscosity;
+        sample.liquid = [](const Vec3& x) { return x[1] - 0.4; };
+        const auto step = started(Comm::world(), sample);
+        const auto first = step->totals();
+        double most = first.kinetic_energy + first.potential_energy, time = 0;
+        while (time < 4) {
+            const double dt = step->stable_step(sample.setup.options.cfl);
+            step->advance(dt);
+            const auto now = step->totals();
+            most = std::max(most, now.kinetic_energy + now.potential_energy);
+            time += dt;
+        }
+        RecordProperty("speed_" + std::to_string(viscosity), std::to_string(step->totals().max_speed));
+        EXPECT_LT(step->totals().max_speed, 0.05) << viscosity;
+        EXPECT_LT(most, 1.001 * first.potential_energy) << viscosity;
+    }
+}
+
 } // namespace
 } // namespace treacle::grid
