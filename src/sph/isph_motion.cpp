@@ -3,7 +3,6 @@
 #include "sph/forces/end_velocity.hpp"
 #include "sph/forces/motion.hpp"
 
-
 // Motion at the ends of steps, and what a checkpoint holds of it.
 namespace treacle::sph {
 
