@@ -21,7 +21,7 @@ public:
 
     // Collective: repartitions so that each rank gets about the same weight. `cells` [n][3] and `weights` [n]
     // are this rank's weighted cells, of any rank's box. Each level of the bisection sums one histogram per
-    // box and axis and takes the plane with the least load: what moves grows with the cells of an edge, not of the volume.
+    // box and axis and takes the plane with the least load, for a little more one between coarse cells of multigrid: what moves grows with the cells of an edge, not of the volume.
     void repartition(std::span<const int> cells, std::span<const double> weights);
     // Collective: goes back to a bisection of the same number of ranks, as state() gave it.
     void restore(std::span<const std::int64_t> state);

@@ -43,7 +43,6 @@ struct Part {
 constexpr std::array<Part, 2> of_liquid{Part{6, 0, 3}, Part{6, 3, 6}};
 constexpr std::array<Part, 2> of_bodies{
     Part{EndMotion::body_numbers, 0, 3}, Part{EndMotion::body_numbers, 3, EndMotion::body_numbers}};
-
 constexpr Part of_orbits{EndMotion::body_numbers, 6, EndMotion::body_numbers};
 
 // Sums |rate - before|^2 and |rate|^2 + |before|^2.
@@ -61,7 +60,7 @@ void add_lead(std::span<const double> rate, std::span<const double> before, cons
 }
 } // namespace
 
-// Where momenta are led and their moments are not, the weights' moments are: they act on nothing else.
+// Moments of the weights are led with the momenta where other moments are not: weights act on nothing else.
 void EndMotion::record(Middle middle, const Known& known, const StepTimes& times) {
     Middle rate;
     const auto liquid = rate_of(middle.liquid, middle_.liquid, times.kick);

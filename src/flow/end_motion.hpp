@@ -46,8 +46,8 @@ public:
     void start(Middle middle);
     // The same, with the rates [1/s] that forces known before the first step give, which is then not StepTimes::first.
     void start(Middle middle, Middle rate);
-    // What is known of the bodies' changes, as Middle::bodies: `impacts`: what impacts have made of them since the last step, and is
-    // no rate; `weights`: the rates that gravity alone gives [1/s].
+    // Known parts of the bodies' changes, as Middle::bodies. `impacts`: by impacts since the last step, which are no rate;
+    // `weights`: rates by gravity alone [1/s].
     struct Known {
         std::span<const double> impacts, weights;
     };

@@ -99,7 +99,7 @@ public:
     void refresh() { distribute_particles(); }
 
     // Collective. Largest step in which neither liquid nor bodies move farther than `cfl` widths, by their speed and what
-    // gravity adds to it, and the limit of the surface tension [s]. Down to one width where liquid has been heaped up to more
+    // gravity adds to it, and the limits of surface waves and surface tension [s]. Down to one width where liquid has been heaped up to more
     // than twice its density: parts of it that meet, or a wall, overlap by as much as they move in a step.
     double stable_step(double cfl) const;
 

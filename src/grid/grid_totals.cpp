@@ -83,7 +83,7 @@ EndMotion::Middle GridStep::middle_motion() const {
     EndMotion::Middle out;
     const auto all = sums(particles_.velocity());
     std::copy_n(all.begin(), 6, out.liquid.begin());
-    // What was kept is of the middle, before particles were moved.
+    // Angular momenta that were kept are of the middle, before particles were moved.
     if (balances()) std::ranges::copy(sum_of(balance_.kept(particles_)), out.liquid.begin() + 3);
     out.bodies = bodies_.free_momenta();
     return out;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-// What hangs together (M).
+// Pieces of liquid and bodies that hang together (M).
 namespace treacle::grid {
 
 namespace {
@@ -58,16 +58,15 @@ void mark_liquid(const MomentumBalance::Scene& scene, const Array<int>& liquid) 
             liquid(at) = cells.end(here) > cells.begin(here) || distance(at) < 0 ? 1 : 0;
         });
 }
-// Neighbours of a cell that come before it in the order of the window, edges and corners too.
-std::vector<std::ptrdiff_t> cells_before(const PressureFaces& faces, int dimensions) {
+
+// Ways in the window from a cell to those around it, edges and corners too, and to itself.
+std::vector<std::ptrdiff_t> ways_around(const PressureFaces& faces, int dimensions) {
     std::vector<std::ptrdiff_t> out;
     const int deep = dimensions == 3 ? 1 : 0;
     for (int z = -deep; z <= deep; ++z) {
         for (int y = -1; y <= 1; ++y) {
-            for (int x = -1; x <= 1; ++x) {
-                const bool before = z < 0 || (z == 0 && (y < 0 || (y == 0 && x < 0)));
-                if (before) out.push_back(x * faces.stride[0] + y * faces.stride[1] + z * faces.stride[2]);
-            }
+            for (int x = -1; x <= 1; ++x)
+                out.push_back(x * faces.stride[0] + y * faces.stride[1] + z * faces.stride[2]);
         }
     }
     return out;
@@ -76,15 +75,15 @@ std::vector<std::ptrdiff_t> cells_before(const PressureFaces& faces, int dimensi
 // Joins cells with liquid whose particles read the same faces.
 void join_liquid(const MomentumBalance::Scene& scene, const Array<int>::HostMirror& liquid, DisjointSets& sets) {
     const CellBox window = scene.halo.window(), around = grown(scene.halo.owned(), 1, scene.grid.dimensions);
-    const auto before = cells_before(pressure_faces(window, scene.grid.dimensions), scene.grid.dimensions);
+    const auto ways = ways_around(pressure_faces(window, scene.grid.dimensions), scene.grid.dimensions);
     for (int n = 0; n < around.size(); ++n) {
         int c[3];
         around.cell(n, c);
         const auto i = static_cast<std::size_t>(window.index(c[0], c[1], c[2]));
         if (liquid(i) == 0) continue;
-        for (const auto step : before) {
-            const auto next = i + static_cast<std::size_t>(step);
-            if (liquid(next) != 0) sets.join(i, next);
+        for (const auto way : ways) {
+            const auto next = i + static_cast<std::size_t>(way);
+            if (way < 0 && liquid(next) != 0) sets.join(i, next);
         }
     }
 }
@@ -96,17 +95,12 @@ void join_solids(
     const auto cells = static_cast<std::size_t>(window.size());
     const auto faces = pressure_faces(window, scene.grid.dimensions);
     const auto& stride = faces.stride;
-    const int deep = scene.grid.dimensions == 3 ? 1 : 0;
+    const auto ways = ways_around(faces, scene.grid.dimensions);
     const auto join_around = [&](std::size_t face, std::ptrdiff_t along, std::size_t member) {
-        for (int z = -deep; z <= deep; ++z) {
-            for (int y = -1; y <= 1; ++y) {
-                for (int x = -1; x <= 1; ++x) {
-                    const auto above = static_cast<std::size_t>(
-                        static_cast<std::ptrdiff_t>(face) + x * stride[0] + y * stride[1] + z * stride[2]);
-                    for (const auto cell : {above, above - static_cast<std::size_t>(along)}) {
-                        if (liquid(cell) != 0) sets.join(cell, member);
-                    }
-                }
+        for (const auto way : ways) {
+            const auto above = face + static_cast<std::size_t>(way);
+            for (const auto cell : {above, above - static_cast<std::size_t>(along)}) {
+                if (liquid(cell) != 0) sets.join(cell, member);
             }
         }
     };

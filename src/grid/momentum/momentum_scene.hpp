@@ -20,7 +20,7 @@ struct MomentumScene {
     const Array<double>& particle_mass; // [liquids] [kg]
 };
 
-// What pulls at all alike.
+// Gravity, which pulls at liquid and bodies alike.
 struct MomentumKick {
     const Vec3& gravity; // [m/s2]
     double time;         // that it acted for [s]

@@ -13,7 +13,7 @@ struct MomentumSums {
     double of[count]{};
 };
 
-// What particles are given: the velocity of the origin [m/s] and the spin [rad/s].
+// Motion as one rigid body, which particles are given: the velocity of the origin [m/s] and the spin [rad/s].
 struct RigidMotion {
     double velocity[3]{}, spin[3]{};
 };

@@ -1,3 +1,4 @@
+#include "../total_momentum.hpp"
 #include "step_sample.hpp"
 
 #include <gtest/gtest.h>
@@ -81,17 +82,6 @@ TEST_F(StepsWithSolids, TreatAStaticBodyAsOneThatIsMovedNowhere) {
         EXPECT_GT(energies[0], 0);
         EXPECT_NEAR(energies[0], energies[1], 1e-12 * energies[0]); // the same numbers but for the order of a few
     }
-}
-
-// Momentum and angular momentum of liquid and bodies together.
-std::array<double, 6> total_momentum(const GridStep& step) {
-    const auto liquid = step.totals();
-    auto out = step.bodies().momentum();
-    for (std::size_t k = 0; k < 3; ++k) {
-        out[k] += liquid.momentum[k];
-        out[3 + k] += liquid.angular_momentum[k];
-    }
-    return out;
 }
 
 // A ball that flies and spins in a blob in free space, beside its middle: what the liquid loses the ball gets. That

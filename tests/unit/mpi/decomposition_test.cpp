@@ -142,8 +142,12 @@ TEST(Decomposition, DividesNoCoarseCellsWhereThatCostsLittle) {
     const auto weighted = weigh_cells(comm, decomposition.grid(), [](int, int, int) { return 1.0; });
     decomposition.repartition(weighted.cells, weighted.weights);
     const auto& first = decomposition.boxes().front();
-    if (comm.size() == 2) EXPECT_EQ(first.hi[0], 100);
-    if (comm.size() == 3) EXPECT_EQ(first.hi[0], 68);
+    if (comm.size() == 2) {
+        EXPECT_EQ(first.hi[0], 100);
+    }
+    if (comm.size() == 3) {
+        EXPECT_EQ(first.hi[0], 68);
+    }
     for (const auto& box : decomposition.boxes()) EXPECT_TRUE(box.hi[0] == 202 || box.hi[0] % 2 == 0) << box.hi[0];
 }
 

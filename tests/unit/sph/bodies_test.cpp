@@ -1,3 +1,4 @@
+#include "../total_momentum.hpp"
 #include "parts.hpp"
 #include "sph/pressure/rigid_coupling_term.hpp"
 
@@ -89,16 +90,6 @@ Sample linked_bricks(Constraint constraint) {
     sample.setup.bodies = 3;
     sample.setup.forces.friction = {0, 1, 1};
     return sample;
-}
-
-std::array<double, 6> total_momentum(const IsphStep& step) {
-    const auto liquid = step.totals();
-    auto sum = step.bodies().momentum();
-    for (std::size_t k = 0; k < 3; ++k) {
-        sum[k] += liquid.momentum[k];
-        sum[3 + k] += liquid.angular_momentum[k];
-    }
-    return sum;
 }
 
 // By the velocities of the middle of the last step, which forces and joints change exactly.
