@@ -159,13 +159,18 @@ TEST_F(Clips, QuarterTurnIsClockwise) {
     EXPECT_EQ(back.pixels, (std::vector<std::uint8_t>{2, 2, 2, 1, 1, 1}));
 }
 
-TEST_F(Clips, SameFramesGiveTheSameBytes) {
-    for (const auto* name : {"a.mp4", "b.mp4"}) {
-        auto options = lossless(64, 48);
-        options.codec = ClipCodec::h264;
-        write_clip(folder / name, options, steady(5, 30));
+TEST_F(Clips, SameFramesGiveTheSameBytesWhereverMemoryLies) {
+    auto options = lossless(64, 48);
+    options.codec = ClipCodec::h264;
+    std::string first;
+    std::vector<std::vector<char>> kept;
+    for (std::size_t k = 0; k < 300; ++k) {
+        kept.emplace_back(64 * (1 + 7 * k % 41));
+        write_clip(folder / "a.mp4", options, steady(5, 30));
+        const auto bytes = content(folder / "a.mp4");
+        if (k == 0) first = bytes;
+        ASSERT_EQ(bytes, first) << k;
     }
-    EXPECT_EQ(content(folder / "a.mp4"), content(folder / "b.mp4"));
 }
 
 TEST_F(Clips, Ffv1IsLossless) {
