@@ -197,8 +197,8 @@ struct ClipWriter::State {
         require(av_frame_make_writable(frame.get()), "out of memory");
         auto turned = turn(image, turn_by((360 - options.turned) % 360));
         turned.pixels.resize(turned.pixels.size() + bytes_read_past_the_end);
-        const std::uint8_t* const planes[] = {turned.pixels.data()};
-        const int strides[] = {3 * turned.width};
+        const std::uint8_t* const planes[4] = {turned.pixels.data()};
+        const int strides[4] = {3 * turned.width};
         sws_scale(scaler.get(), planes, strides, 0, turned.height, frame->data, frame->linesize);
         frame->pts = last = ticks;
         if (options.interlaced) frame->interlaced_frame = frame->top_field_first = 1;

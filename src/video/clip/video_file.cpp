@@ -234,8 +234,8 @@ private:
         // swscale writes rows in whole vectors: rows of its own, padded.
         const int stride = (3 * frame.width + 63) / 64 * 64 + 64;
         padded_.resize(std::size_t(stride) * std::size_t(frame.height) + 64);
-        std::uint8_t* const target[] = {padded_.data()};
-        const int strides[] = {stride};
+        std::uint8_t* const target[4] = {padded_.data()};
+        const int strides[4] = {stride};
         sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, target, strides);
         for (int row = 0; row < frame.height; ++row)
             std::copy_n(padded_.data() + std::size_t(row) * std::size_t(stride), 3 * frame.width,
