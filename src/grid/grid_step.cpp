@@ -159,6 +159,7 @@ void GridStep::update_geometry() {
     fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions,
         fractions_, solids_.walls());
     resting_.find(solids_, fraction_builder_, bodies_);
+    if (slip_.any()) closed_centres_.find(solids_.nodes(), solids_.distance());
     if (!bodies_.any_moves()) { // what rests has no fractions, but the lists of the faces are read
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
         for (auto& of : body_fractions_) {
@@ -170,12 +171,11 @@ void GridStep::update_geometry() {
     }
     fraction_builder_.build_body_fractions(
         solids_.nodes(), solids_.distance(), solids_.number(), solids_.moves(), body_fractions_.data());
-    if (slip_.any()) closed_centres_.find(solids_.nodes(), solids_.distance());
 }
 
 // (S), (D)
 void GridStep::find_strains(double dt) {
-    strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt});
+    strains_.find({grid_, cells_halo_, velocity_, mass_, fractions_, solids_, before_, dt, slip_.lengths()});
     closing_.clear(cells_halo_);
     separation_.clear();
     if (relaxes_density())

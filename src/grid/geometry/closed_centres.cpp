@@ -1,57 +1,10 @@
 #include "grid/geometry/closed_centres.hpp"
 
-#include "grid/mac/polyhedron.hpp"
+#include "grid/geometry/face_cut.hpp"
 
 namespace treacle::grid {
 
 namespace {
-// Area and first moments of a part of a unit square.
-struct Moments {
-    double area = 0, x = 0, y = 0;
-
-    KOKKOS_INLINE_FUNCTION void add(double sign, const double a[2], const double b[2], const double c[2]) {
-        const double size = 0.5 * math::fabs((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])) * sign;
-        area += size;
-        x += size * (a[0] + b[0] + c[0]) / 3;
-        y += size * (a[1] + b[1] + c[1]) / 3;
-    }
-};
-
-KOKKOS_INLINE_FUNCTION void between(const double a[2], const double b[2], double fraction, double out[2]) {
-    for (int k = 0; k < 2; ++k) out[k] = a[k] + fraction * (b[k] - a[k]);
-}
-
-// Adds the part of a triangle with a negative distance.
-KOKKOS_INLINE_FUNCTION void add_negative(const double at[3][2], const double distance[3], Moments& sum) {
-    int o[3];
-    const int negative = order_by_sign<3>(distance, o);
-    if (negative == 0) return;
-    if (negative > 1) sum.add(1, at[0], at[1], at[2]);
-    if (negative == 3) return;
-    const int corner = negative == 1 ? o[0] : o[2], first = negative == 1 ? o[1] : o[0],
-              second = negative == 1 ? o[2] : o[1];
-    double b[2], c[2];
-    between(at[corner], at[first], cut(distance[corner], distance[first]), b);
-    between(at[corner], at[second], cut(distance[corner], distance[second]), c);
-    sum.add(negative == 1 ? 1 : -1, at[corner], b, c);
-}
-
-// As square_open_share cuts it.
-KOKKOS_INLINE_FUNCTION Moments closed_part(const double solid[4], int start) {
-    Moments out;
-    for (int t = 1; t <= 2; ++t) {
-        const int corner[3] = {start, t ^ start, 3 ^ start};
-        double at[3][2], s[3];
-        for (int k = 0; k < 3; ++k) {
-            at[k][0] = corner[k] & 1;
-            at[k][1] = corner[k] >> 1;
-            s[k] = solid[corner[k]];
-        }
-        add_negative(at, s, out);
-    }
-    return out;
-}
-
 struct CentreLoop {
     FineNodes nodes;
     Array<double> solid;
@@ -67,18 +20,20 @@ struct CentreLoop {
         }
         const int u = (axis + 1) % 3, v = (axis + 2) % 3, up = nodes.dimensions == 2 ? 0 : 1;
         const int parts[2] = {u == 2 ? up : 1, v == 2 ? up : 1};
-        Moments sum;
+        const SolidCrossings crossing{nodes, solid};
+        SquarePart sum;
         for (int j = 0; j <= parts[1]; ++j) {
             for (int i = 0; i <= parts[0]; ++i) {
-                double s[4];
+                FaceSquare square;
                 for (int k = 0; k < 4; ++k) {
-                    int f[3] = {2 * c[0], 2 * c[1], 2 * c[2]};
+                    int* f = square.node[k];
+                    for (int axis_of = 0; axis_of < 3; ++axis_of) f[axis_of] = 2 * c[axis_of];
                     f[u] += i + (k & 1);
                     f[v] += j + (k >> 1);
                     if (!up) f[2] = 0;
-                    s[k] = solid(nodes.index(f[0], f[1], f[2]));
+                    square.distance[k] = solid(nodes.index(f[0], f[1], f[2]));
                 }
-                const auto part = closed_part(s, (1 - i) + 2 * (1 - j));
+                const auto part = square.closed(crossing, (1 - i) + 2 * (1 - j));
                 sum.area += part.area;
                 sum.x += part.x + i * part.area;
                 sum.y += part.y + j * part.area;

@@ -1,5 +1,6 @@
 #include "grid/geometry/fractions.hpp"
 
+#include "grid/geometry/face_cut.hpp"
 #include "grid/geometry/fraction_parts.hpp"
 #include "grid/mac/polyhedron.hpp"
 #include "kokkos/scan.hpp"
@@ -94,24 +95,26 @@ KOKKOS_INLINE_FUNCTION int edge_node(int axis, int dimensions) { return (dimensi
 KOKKOS_INLINE_FUNCTION double open_fraction(
     const ControlVolumes& volumes, const Array<double>& solid, int axis, const int c[3]) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const SolidCrossings crossing{volumes.nodes, solid};
     double sum = 0;
     int count = 0;
     for (int j = 0; j <= volumes.up[v]; ++j) {
         for (int i = 0; i <= volumes.up[u]; ++i, ++count) {
-            double s[4];
+            FaceSquare square;
             bool in_surface = true;
             for (int k = 0; k < 4; ++k) {
                 int f[3] = {2 * c[0], 2 * c[1], 2 * c[2]};
                 f[u] += i;
                 f[v] += j;
-                int corner[3] = {f[0], f[1], f[2]};
+                int* corner = square.node[k];
+                for (int axis_of = 0; axis_of < 3; ++axis_of) corner[axis_of] = f[axis_of];
                 corner[u] += k & 1;
                 corner[v] += k >> 1;
                 if (!volumes.up[2]) f[2] = corner[2] = 0;
-                s[k] = volumes.solid_beside(solid, corner, f, axis);
-                in_surface = in_surface && math::fabs(s[k]) < volumes.nodes.surface();
+                square.distance[k] = volumes.solid_beside(solid, corner, f, axis);
+                in_surface = in_surface && math::fabs(square.distance[k]) < volumes.nodes.surface();
             }
-            if (!in_surface) sum += square_open_fraction(s, (1 - i) + 2 * (1 - j));
+            if (!in_surface) sum += 1 - square.closed(crossing, (1 - i) + 2 * (1 - j)).area;
         }
     }
     return sum / count;

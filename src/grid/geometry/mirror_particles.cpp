@@ -9,8 +9,9 @@ void MirrorParticles::find(const GridParticles& particles, const DistanceSampler
     Kokkos::parallel_for(
         "treacle::images", particles.store.total(), KOKKOS_LAMBDA(int i) {
             const double p[3] = {x(i, 0), x(i, 1), x(i, 2)};
+            const double distance = solid.at(p);
             double gradient[3] = {0, 0, 0};
-            const double distance = solid.at(p, gradient);
+            if (distance < cutoff) solid.gradient(p, gradient);
             const double square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
             // No side at the middle of thin solids.
             const bool near = distance < cutoff && square > 0.01 && (all || number(solid.nearest(p)) >= 0);

@@ -63,8 +63,8 @@ struct DistanceSampler {
         }
         return nodes.index(f[0], f[1], f[2]);
     }
-    // Value [m] and, on request, the gradient of the interpolant.
-    KOKKOS_INLINE_FUNCTION double at(const double x[3], double gradient[3] = nullptr) const {
+    // Value [m].
+    KOKKOS_INLINE_FUNCTION double at(const double x[3]) const {
         int base[3] = {0, 0, 0};
         double s[3] = {0, 0, 0};
         for (int k = 0; k < nodes.dimensions; ++k) {
@@ -76,27 +76,42 @@ struct DistanceSampler {
             s[k] = p - base[k];
         }
         const int up = nodes.dimensions == 2 ? 0 : 1;
-        double line[2][2]; // values at (y, z) after interpolation along x
-        double slope[2][2];
+        double plane[2]; // values after interpolation along x and y
         for (int z = 0; z <= up; ++z) {
+            double line[2];
             for (int y = 0; y < 2; ++y) {
                 const double a = values(nodes.index(base[0], base[1] + y, base[2] + z));
                 const double b = values(nodes.index(base[0] + 1, base[1] + y, base[2] + z));
-                line[z][y] = a + s[0] * (b - a);
-                slope[z][y] = b - a;
+                line[y] = a + s[0] * (b - a);
             }
+            plane[z] = line[0] + s[1] * (line[1] - line[0]);
         }
-        const double low = line[0][0] + s[1] * (line[0][1] - line[0][0]);
-        const double high = up ? line[1][0] + s[1] * (line[1][1] - line[1][0]) : low;
-        if (gradient) {
-            const double dx0 = slope[0][0] + s[1] * (slope[0][1] - slope[0][0]);
-            const double dx1 = up ? slope[1][0] + s[1] * (slope[1][1] - slope[1][0]) : dx0;
-            const double dy0 = line[0][1] - line[0][0], dy1 = up ? line[1][1] - line[1][0] : dy0;
-            gradient[0] = (dx0 + s[2] * (dx1 - dx0)) / nodes.width;
-            gradient[1] = (dy0 + s[2] * (dy1 - dy0)) / nodes.width;
-            gradient[2] = (high - low) / nodes.width;
+        return up ? plane[0] + s[2] * (plane[1] - plane[0]) : plane[0];
+    }
+    // Gradient, of second order and continuous: differences over the width of the nodes, centred on x. (That of the interpolant jumps at the
+    // nodes, where it turns the normal of a round surface by width / 2 R: a body that turns along its surface would then move across it.)
+    KOKKOS_INLINE_FUNCTION void gradient(const double x[3], double out[3]) const {
+        for (int k = 0; k < 3; ++k) {
+            out[k] = 0;
+            if (k >= nodes.dimensions) continue;
+            double below[3] = {x[0], x[1], x[2]}, above[3] = {x[0], x[1], x[2]};
+            below[k] -= 0.5 * nodes.width;
+            above[k] += 0.5 * nodes.width;
+            out[k] = (at(above) - at(below)) / nodes.width;
         }
-        return low + s[2] * (high - low);
+    }
+    // Second derivatives [1/m], over a cell's width; of a distance they are how its normal turns.
+    KOKKOS_INLINE_FUNCTION void second_derivatives(const double x[3], double out[3][3]) const {
+        for (int l = 0; l < 3; ++l) {
+            double below[3] = {x[0], x[1], x[2]}, above[3] = {x[0], x[1], x[2]}, low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
+            below[l] -= nodes.width;
+            above[l] += nodes.width;
+            if (l < nodes.dimensions) {
+                gradient(below, low);
+                gradient(above, high);
+            }
+            for (int k = 0; k < 3; ++k) out[k][l] = (high[k] - low[k]) / (2 * nodes.width);
+        }
     }
 };
 

@@ -22,16 +22,6 @@ KOKKOS_INLINE_FUNCTION int order_by_sign(const double distance[corners], int ord
     return negative;
 }
 
-// Share of a triangle, by area, where the distance is negative.
-KOKKOS_INLINE_FUNCTION double negative_fraction_triangle(const double distance[3]) {
-    int o[3];
-    const int negative = order_by_sign<3>(distance, o);
-    if (negative == 0) return 0;
-    if (negative == 3) return 1;
-    if (negative == 1) return cut(distance[o[0]], distance[o[1]]) * cut(distance[o[0]], distance[o[2]]);
-    return 1 - cut(distance[o[2]], distance[o[0]]) * cut(distance[o[2]], distance[o[1]]);
-}
-
 // Share of a tetrahedron, by volume, where the distance is negative.
 KOKKOS_INLINE_FUNCTION double negative_fraction(const double distance[4]) {
     int o[4];
@@ -108,17 +98,6 @@ KOKKOS_INLINE_FUNCTION CubeFractions cube_fractions(const double solid[8], const
     if (!cut_liquid) out.wet = all_liquid ? out.fluid : 0;
     if (!cut_solid) out.wet = all_solid ? 0 : out.liquid;
     return out;
-}
-
-// Share of a square, by area, where the distance is not negative. Corners numbered x + 2 y; two triangles on either side
-// of the diagonal from corner `start`.
-KOKKOS_INLINE_FUNCTION double square_open_fraction(const double solid[4], int start) {
-    double closed = 0;
-    for (int t = 1; t <= 2; ++t) {
-        const double s[3] = {solid[start], solid[t ^ start], solid[3 ^ start]};
-        closed += 0.5 * negative_fraction_triangle(s);
-    }
-    return 1 - closed;
 }
 
 } // namespace treacle::grid

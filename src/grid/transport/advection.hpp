@@ -49,9 +49,10 @@ KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double cleara
     bool moved = false;
     // Distances are linear between nodes: what curves takes more than one go.
     for (int k = 0; k < 4; ++k) {
-        double gradient[3];
-        const double distance = solid.at(x, gradient);
+        const double distance = solid.at(x);
         if (distance >= clearance) return moved;
+        double gradient[3];
+        solid.gradient(x, gradient);
         const double square = gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2];
         if (!(square > 1e-12)) return moved; // at the middle of a solid: it has no side
         // The interpolant is flatter than a distance where two solids meet: its slope would throw the place far off.

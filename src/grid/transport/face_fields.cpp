@@ -115,7 +115,8 @@ struct TurnLoop {
             if (faces.carries(a, static_cast<std::size_t>(at))) continue;
             double x[3], n[3], u[3], v[3];
             grid.face(a, c, x);
-            const double distance = solid.at(x, n);
+            const double distance = solid.at(x);
+            solid.gradient(x, n);
             const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
             if (!(square > 1e-12)) continue; // in the middle of a solid
             const int nearest = number(solid.nodes.face_middle(a, c));

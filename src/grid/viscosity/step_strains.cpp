@@ -3,6 +3,8 @@
 namespace treacle::grid {
 
 namespace {
+constexpr double most_turn = 0.5; // of a solid's normal over a cell, up to which its surface is resolved
+
 KOKKOS_INLINE_FUNCTION int pair_of(int a, int b) { return a == b ? a : a + b == 1 ? 3 : a + b == 3 ? 4 : 5; }
 
 // dt/2, such that (dt/2) sym(L^2) is exact for a rotation by the angle 2 atan(t), with t^2 = dt^2 |L|^2 / 8; less where paths bend
@@ -24,9 +26,15 @@ struct CentreLoop {
     FaceField velocity, mass;
     Array<double> fluid;
     Array<int> number;
+    DistanceSampler solid;
     BodyMotion motion;
     double before, dt;
+    Array<double> slip;
     Array<double> out[6], path[6];
+
+    KOKKOS_INLINE_FUNCTION bool holds(int solid) const {
+        return solid == Solids::nothing || !(slip(Solids::slot(solid)) > 0);
+    }
 
     // u_a rises by this from face i to face j, over dx; false where particles reach only one of them.
     KOKKOS_INLINE_FUNCTION bool rise(int a, std::ptrdiff_t i, std::ptrdiff_t j, double& sum) const {
@@ -67,37 +75,57 @@ struct CentreLoop {
             u[a] /= count > 0 ? count : 1;
         }
     }
-    // dt a/2 beside a solid.
+    // dt a/2 beside a solid: across its surface from how that turns and is bent, where the cells resolve it; around edges from the
+    // gradient of the liquid's velocity, which may go on straight there.
     KOKKOS_INLINE_FUNCTION void bend_along(
-        int solid, const int c[3], const SmallMatrix& middle, double factor, std::ptrdiff_t i) const {
-        double u[3], x[3], moved[3], centre[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
+        int number_of_solid, const int c[3], const SmallMatrix& middle, double factor, std::ptrdiff_t i) const {
+        double u[3], x[3], moved[3], n[3], turns[3][3], off[3], past[3], centre[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
         mean(i, u);
         grid.centre(c, x);
-        motion.velocity(solid, x, moved, false);
-        for (int k = 0; k < 3 && solid >= 0; ++k) {
-            centre[k] = motion.frame(BodyMotion::width * solid + 3 + k);
-            spin[k] = motion.frame(BodyMotion::width * solid + 6 + k);
+        motion.velocity(number_of_solid, x, moved, false);
+        for (int k = 0; k < 3 && number_of_solid >= 0; ++k) {
+            centre[k] = motion.frame(BodyMotion::width * number_of_solid + 3 + k);
+            spin[k] = motion.frame(BodyMotion::width * number_of_solid + 6 + k);
+        }
+        for (int k = 0; k < 3; ++k) off[k] = u[k] - centre[k], past[k] = u[k] - moved[k];
+        solid.gradient(x, n);
+        solid.second_derivatives(x, turns);
+        double square = 0, bent = 0, curvature = 0;
+        for (int a = 0; a < 3; ++a) {
+            square += n[a] * n[a];
+            for (int k = 0; k < 3; ++k) {
+                bent += past[a] * turns[a][k] * past[k];
+                curvature += turns[a][k] * turns[a][k];
+            }
+        }
+        const bool resolved = curvature * grid.dx * grid.dx < most_turn * most_turn && square > 0.25;
+        double across = -bent / math::sqrt(square > 0 ? square : 1.0);
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3, d = (a + 2) % 3;
+            across += n[a] * (spin[b] * (off[d] + past[d]) - spin[d] * (off[b] + past[b])) /
+                      math::sqrt(square > 0 ? square : 1.0);
         }
         for (int a = 0; a < grid.dimensions; ++a) {
             const int b = (a + 1) % 3, d = (a + 2) % 3;
-            double sum = spin[b] * (u[d] - centre[d]) - spin[d] * (u[b] - centre[b]);
-            for (int k = 0; k < 3; ++k) sum += middle.at[a][k] * (u[k] - moved[k]);
-            path[a](i) = factor * sum;
+            double sum = spin[b] * off[d] - spin[d] * off[b];
+            for (int k = 0; k < 3; ++k) sum += middle.at[a][k] * past[k];
+            path[a](i) = factor * (resolved ? across * n[a] / math::sqrt(square) : sum);
         }
     }
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {
         int c[3];
         box.cell(n, c);
         const auto i = window.index(c[0], c[1], c[2]);
-        double liquid[6], solid[6] = {0, 0, 0, 0, 0, 0};
+        double liquid[6], of_solid[6] = {0, 0, 0, 0, 0, 0};
         const auto middle = carried_gradient(gradient(i), -0.5 * before);
         const double factor = half_step(middle, dt);
         strains_of(middle.times(middle), factor, liquid);
         const int nearest = number(FineNodes::per_cell * i + (grid.dimensions == 2 ? 3 : 7));
-        const double fraction = fluid(i);
-        if (fraction < 1) bend_along(nearest, c, middle, factor, i);
-        if (fraction < 1 && nearest >= 0) motion.strains(nearest, solid);
-        for (int k = 0; k < 6; ++k) out[k](i) = fraction * liquid[k] + (1 - fraction) * solid[k];
+        double fraction = fluid(i);
+        if (fraction > 0 && fraction < 1) bend_along(nearest, c, middle, factor, i);
+        if (!holds(nearest)) fraction = 1;
+        if (fraction < 1 && nearest >= 0) motion.strains(nearest, of_solid);
+        for (int k = 0; k < 6; ++k) out[k](i) = fraction * liquid[k] + (1 - fraction) * of_solid[k];
         for (int a = 0; a < 3; ++a) path[3 + a](i) = liquid[a];
     }
 };
@@ -139,7 +167,8 @@ void StepStrains::find(const Scene& scene) {
     for (int e = dimensions == 2 ? 2 : 0; e < 3; ++e) clear(shear_.axis[e], n);
     if (scene.halo.owned().empty()) return;
     CentreLoop loop{scene.grid, window, within(window, 1, dimensions), {1, 1, 1}, scene.velocity, scene.mass,
-        scene.fractions.cell_fluid, scene.solids.number(), scene.solids.motion(), scene.before, scene.dt, {}, {}};
+        scene.fractions.cell_fluid, scene.solids.number(), scene.solids.sampler(), scene.solids.motion(), scene.before,
+        scene.dt, scene.slip, {}, {}};
     for (int k = 1; k < 3; ++k) loop.stride[k] = loop.stride[k - 1] * (window.hi[k - 1] - window.lo[k - 1]);
     for (int k = 0; k < 6; ++k) loop.out[k] = centre_[k], loop.path[k] = path_[k];
     Kokkos::parallel_for("treacle::step_strains", static_cast<int>(loop.box.size()), loop);

@@ -25,6 +25,8 @@ public:
         const Fractions& fractions;
         const Solids& solids;      // with the motion of the step
         double before = 0, dt = 0; // [s] length of the step before and of this one
+        // [6 sides, then bodies] slip lengths: liquid that slides along a solid is not strained as that is.
+        Array<double> slip;
     };
     // Local, within the window of the halo but its two outermost layers.
     void find(const Scene& scene);
