@@ -76,7 +76,7 @@ void GridStep::find_viscosities() {
 ViscousScene GridStep::viscous_scene() {
     const bool slides = slip_.any();
     if (slides) {
-        slip_.update(cells_halo_, bodies_, solids_, level_set_, setup_.options.fractions);
+        slip_.update(cells_halo_, bodies_, solids_, closed_centres_, level_set_, setup_.options.fractions);
         no_slip_.find(slip_.no_slip(), slip_.no_slip_fractions(), bodies_);
     }
     find_viscosities();

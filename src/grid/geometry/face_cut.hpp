@@ -72,8 +72,10 @@ private:
         out[0] = corner & 1;
         out[1] = corner >> 1;
     }
-    KOKKOS_INLINE_FUNCTION void crossing_at(const SolidCrossings& crossing, int from, int to, double out[2]) const {
-        const double share = crossing(node[from], node[to], distance[from], distance[to]);
+    KOKKOS_INLINE_FUNCTION double share(const SolidCrossings& crossing, int from, int to) const {
+        return crossing(node[from], node[to], distance[from], distance[to]);
+    }
+    KOKKOS_INLINE_FUNCTION void on_edge(int from, int to, double share, double out[2]) const {
         double a[2], b[2];
         place(from, a);
         place(to, b);
@@ -93,10 +95,11 @@ private:
             sum.add(1, a, b, c);
         }
         if (negative == 3) return;
-        const int alone = corner[negative == 1 ? o[0] : o[2]];
+        const int alone = corner[negative == 1 ? o[0] : o[2]], first = corner[negative == 1 ? o[1] : o[0]],
+                  second = corner[negative == 1 ? o[2] : o[1]];
         place(alone, a);
-        crossing_at(crossing, alone, corner[negative == 1 ? o[1] : o[0]], b);
-        crossing_at(crossing, alone, corner[negative == 1 ? o[2] : o[1]], c);
+        on_edge(alone, first, share(crossing, alone, first), b);
+        on_edge(alone, second, share(crossing, alone, second), c);
         sum.add(negative == 1 ? 1 : -1, a, b, c);
     }
 };

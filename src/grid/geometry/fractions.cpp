@@ -114,7 +114,8 @@ KOKKOS_INLINE_FUNCTION double open_fraction(
                 square.distance[k] = volumes.solid_beside(solid, corner, f, axis);
                 in_surface = in_surface && math::fabs(square.distance[k]) < volumes.nodes.surface();
             }
-            if (!in_surface) sum += 1 - square.closed(crossing, (1 - i) + 2 * (1 - j)).area;
+            if (!in_surface)
+                sum += 1 - math::max(0.0, math::min(1.0, square.closed(crossing, (1 - i) + 2 * (1 - j)).area));
         }
     }
     return sum / count;

@@ -47,6 +47,49 @@ struct FluxLoop {
     }
 };
 
+// Faces that the flux through a face takes velocities of, along solids that liquid slides along.
+struct NeighbourLoop {
+    PressureFaces faces;
+    SlipSolids slip;
+    EdgeField shear;
+    Array<int> face_of, row_of[3], rows;
+    Array<double> values;
+
+    // The step to the face that the flux through face i across axis a takes a share of the velocity of, along axis a + 1 + k; 0: none. Both
+    // must have a stress between them, and so be in each other's halo.
+    KOKKOS_INLINE_FUNCTION std::ptrdiff_t step(int a, std::ptrdiff_t i, int k, double& share) const {
+        const int b = (a + 1 + k) % 3;
+        const double open = faces.open(a, static_cast<std::size_t>(i));
+        if (b >= faces.dimensions || !(open > 0) || !(open < 1) || row_of[a](i) < 0) return 0;
+        if (slip.no_slip_fractions.open.axis[a](i) < 1) return 0;
+        const double offset = -(1 - open) / open * slip.closed_centre[a][k](i);
+        share = math::min(math::fabs(offset), 0.5);
+        if (!(share > 0)) return 0;
+        const std::ptrdiff_t to = offset > 0 ? faces.stride[b] : -faces.stride[b];
+        const bool tied = row_of[a](i + to) >= 0 && shear.axis[3 - a - b](to > 0 ? i + to : i) > 0;
+        return tied ? to : 0;
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int r) const {
+        const int a = face_of(r) % 3;
+        const std::ptrdiff_t i = face_of(r) / 3;
+        for (int k = 0; k < 2; ++k) {
+            double share = 0;
+            const auto to = step(a, i, k, share);
+            rows(6 * r + k) = to != 0 ? row_of[a](i + to) : -1;
+            values(6 * r + k) = share;
+            for (int side = 0; side < 2; ++side) {
+                const int at = 6 * r + 2 + 2 * k + side, b = (a + 1 + k) % 3;
+                rows(at) = -1;
+                if (b >= faces.dimensions) continue;
+                const std::ptrdiff_t back = side == 0 ? -faces.stride[b] : faces.stride[b];
+                if (step(a, i + back, k, share) != -back) continue;
+                rows(at) = row_of[a](i + back);
+                values(at) = share;
+            }
+        }
+    }
+};
+
 // Local columns of rows by their global numbers: this rank's, then those of a halo.
 struct LocalColumns {
     int first, rows;
@@ -101,7 +144,26 @@ void PressedFaces::find_flux(const ViscousSystem& viscous, const PressureSystem&
     }
 }
 
-void PressedFaces::build(ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales) {
+void PressedFaces::find_neighbours(const ViscousSystem& viscous, const PressureSystem& pressure,
+    const ViscousFaces& viscous_faces, const SlipSolids& slip) {
+    const auto n = static_cast<std::size_t>(faces_);
+    reserve(rows_, 6 * n);
+    reserve(values_, 6 * n);
+    Kokkos::parallel_for("treacle::pressed_neighbours", faces_,
+        NeighbourLoop{pressure.faces(), slip, viscous_faces.shear, viscous.face_of(),
+            {viscous.row_of(0), viscous.row_of(1), viscous.row_of(2)}, rows_, values_});
+    const auto rows = on_host(rows_);
+    const auto values = on_host(values_);
+    const LocalColumns local_column{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
+    for (std::size_t k = 0; k < 6 * n; ++k) {
+        if (rows(k) < 0) continue;
+        const Neighbour found{static_cast<int>(k / 6), local_column(rows(k)), values(k)};
+        (k % 6 < 2 ? taken_ : given_).push_back(found);
+    }
+}
+
+void PressedFaces::build(const Comm& comm, ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales,
+    const ViscousFaces& viscous_faces, const SlipSolids* slip) {
     faces_ = viscous.faces();
     pressures_ = pressure.rows();
     of_faces_ = &viscous.halo();
@@ -109,9 +171,27 @@ void PressedFaces::build(ViscousSystem& viscous, PressureSystem& pressure, const
     find_sides(viscous, pressure, scales);
     find_flux(viscous, pressure, scales.area);
     difference_.resize(sides_.size());
+    taken_.clear();
+    given_.clear();
+    const bool few_iterations =
+        viscous_faces.dimensions == 2; // in space they take five times as many (measurements.md)
+    if (slip && few_iterations) find_neighbours(viscous, pressure, viscous_faces, *slip);
+    interpolates_ = comm.sum(static_cast<std::int64_t>(taken_.size())) > 0;
 }
 
 void PressedFaces::flux(std::span<const double> u, std::span<double> y) {
+    if (!interpolates_) return middle_flux(u, y);
+    const auto around = of_faces_->gather(u);
+    const auto own = u.first(static_cast<std::size_t>(faces_));
+    at_open_.assign(own.begin(), own.end());
+    for (const auto& [face, other, share] : taken_) {
+        const auto r = static_cast<std::size_t>(face);
+        at_open_[r] += share * (value_at(own, around, other) - own[r]);
+    }
+    middle_flux(at_open_, y);
+}
+
+void PressedFaces::middle_flux(std::span<const double> u, std::span<double> y) {
     TREACLE_EXPECT(u.size() >= std::size_t(faces_) && y.size() < first_.size());
     const auto around = of_faces_->gather(u);
     const auto own = u.first(static_cast<std::size_t>(faces_));
@@ -134,9 +214,35 @@ void PressedFaces::differences(std::span<const double> p, std::vector<double>& o
     }
 }
 
-void PressedFaces::add_forces(std::span<const double> p, std::span<double> y) {
+void PressedFaces::add_middle_forces(std::span<const double> p, std::span<double> y) {
     differences(p, difference_);
     for (std::size_t r = 0; r < sides_.size(); ++r) y[r] += sides_[r].area * difference_[r];
+}
+
+void PressedFaces::add_forces(std::span<const double> p, std::span<double> y) {
+    if (!interpolates_) return add_middle_forces(p, y);
+    at_open_.assign(sides_.size(), 0.0);
+    add_middle_forces(p, at_open_);
+    const auto around = of_faces_->gather(at_open_);
+    for (std::size_t r = 0; r < sides_.size(); ++r) y[r] += at_open_[r];
+    for (const auto& [face, other, share] : taken_) {
+        const auto r = static_cast<std::size_t>(face);
+        y[r] -= share * at_open_[r];
+    }
+    for (const auto& [face, other, share] : given_) {
+        y[static_cast<std::size_t>(face)] += share * value_at(at_open_, around, other);
+    }
+}
+
+void PressedFaces::add_volume_difference(
+    std::span<const double> u, std::span<const double> by_row, std::span<double> y) {
+    by_row_.resize(by_row.size());
+    flux(u, by_row_);
+    for (std::size_t k = 0; k < by_row.size(); ++k) by_row_[k] *= by_row[k];
+    add_forces(by_row_, y);
+    middle_flux(u, by_row_);
+    for (std::size_t k = 0; k < by_row.size(); ++k) by_row_[k] *= -by_row[k];
+    add_middle_forces(by_row_, y);
 }
 
 void PressedFaces::push(std::span<const double> p, std::span<double> u) {
@@ -146,7 +252,9 @@ void PressedFaces::push(std::span<const double> p, std::span<double> u) {
 
 std::size_t PressedFaces::bytes() const {
     return sides_.capacity() * sizeof(Sides) + entries_.capacity() * sizeof(Entry) +
-           4 * (first_.capacity() + rows_.span()) + 8 * (difference_.capacity() + values_.span());
+           4 * (first_.capacity() + rows_.span()) +
+           8 * (difference_.capacity() + values_.span() + at_open_.capacity() + by_row_.capacity()) +
+           sizeof(Neighbour) * (taken_.capacity() + given_.capacity());
 }
 
 } // namespace treacle::grid

@@ -100,7 +100,10 @@ void SlipGeometry::find_lengths(const Solids& solids) {
 }
 
 void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
-    const LevelSet& liquid, FractionMethod method) {
+    const ClosedCentres& closed, const LevelSet& liquid, FractionMethod method) {
+    for (int a = 0; a < dimensions_; ++a) {
+        for (int k = 0; k < 2; ++k) slip_.closed_centre[a][k] = closed.offset(a, k);
+    }
     no_slip_.update(halo, bodies);
     builder_.build(
         no_slip_.nodes(), no_slip_.distance(), liquid.distance(), method, slip_.no_slip_fractions, no_slip_.walls());

@@ -22,9 +22,9 @@ public:
     SlipGeometry(const MacGrid& grid, const scene::Domain& domain, const SlipSetup& setup);
 
     bool any() const { return any_; } // liquid slides along some solid
-    // Local. `solids` and `liquid` are those of all solids, of the window of the halo.
-    void update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids, const LevelSet& liquid,
-        FractionMethod method);
+    // Local. `solids`, the centres of their parts of faces and `liquid` are those of all solids, of the window of the halo.
+    void update(const CellHalo& halo, const rigid::RigidBodies& bodies, const Solids& solids,
+        const ClosedCentres& closed, const LevelSet& liquid, FractionMethod method);
     const SlipSolids& slip() const { return slip_; }
     const FaceBodyFractions& body_fractions() const { return body_fractions_; } // of no-slip bodies
     const Solids& no_slip() const { return no_slip_; }

@@ -3,7 +3,8 @@
 namespace treacle::grid {
 
 namespace {
-constexpr double most_turn = 0.5; // of a solid's normal over a cell, up to which its surface is resolved
+constexpr double most_turn = 0.5;     // of a solid's normal over a cell, up to which its surface is resolved
+constexpr double least_square = 0.25; // of the slope of a distance, below which it is that of no surface
 
 KOKKOS_INLINE_FUNCTION int pair_of(int a, int b) { return a == b ? a : a + b == 1 ? 3 : a + b == 3 ? 4 : 5; }
 
@@ -75,41 +76,58 @@ struct CentreLoop {
             u[a] /= count > 0 ? count : 1;
         }
     }
-    // dt a/2 beside a solid: across its surface from how that turns and is bent, where the cells resolve it; around edges from the
-    // gradient of the liquid's velocity, which may go on straight there.
-    KOKKOS_INLINE_FUNCTION void bend_along(
-        int number_of_solid, const int c[3], const SmallMatrix& middle, double factor, std::ptrdiff_t i) const {
-        double u[3], x[3], moved[3], n[3], turns[3][3], off[3], past[3], centre[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
-        mean(i, u);
-        grid.centre(c, x);
-        motion.velocity(number_of_solid, x, moved, false);
-        for (int k = 0; k < 3 && number_of_solid >= 0; ++k) {
-            centre[k] = motion.frame(BodyMotion::width * number_of_solid + 3 + k);
-            spin[k] = motion.frame(BodyMotion::width * number_of_solid + 6 + k);
+    // Velocities of the liquid in cell c against the centre of a solid and against the solid there, and the solid's spin.
+    struct Passing {
+        double off[3], past[3], spin[3] = {0, 0, 0};
+
+        KOKKOS_INLINE_FUNCTION double swept(const double v[3], int a) const { // spin x v
+            const int b = (a + 1) % 3, d = (a + 2) % 3;
+            return spin[b] * v[d] - spin[d] * v[b];
         }
-        for (int k = 0; k < 3; ++k) off[k] = u[k] - centre[k], past[k] = u[k] - moved[k];
+    };
+    KOKKOS_INLINE_FUNCTION Passing passing(int of, const double x[3], std::ptrdiff_t i) const {
+        double u[3], moved[3];
+        mean(i, u);
+        motion.velocity(of, x, moved, false);
+        Passing out;
+        for (int k = 0; k < 3; ++k) {
+            const double centre = of >= 0 ? motion.frame(BodyMotion::width * of + 3 + k) : 0.0;
+            out.spin[k] = of >= 0 ? motion.frame(BodyMotion::width * of + 6 + k) : 0.0;
+            out.off[k] = u[k] - centre;
+            out.past[k] = u[k] - moved[k];
+        }
+        return out;
+    }
+    // a across a surface of normal n, which is made one, by how the surface turns and is bent; false where the cells do not resolve that.
+    KOKKOS_INLINE_FUNCTION bool bend_across(const Passing& liquid, const double x[3], double n[3], double& sum) const {
+        double turns[3][3], square = 0, curvature = 0;
         solid.gradient(x, n);
         solid.second_derivatives(x, turns);
-        double square = 0, bent = 0, curvature = 0;
         for (int a = 0; a < 3; ++a) {
             square += n[a] * n[a];
-            for (int k = 0; k < 3; ++k) {
-                bent += past[a] * turns[a][k] * past[k];
-                curvature += turns[a][k] * turns[a][k];
-            }
+            for (int k = 0; k < 3; ++k) curvature += turns[a][k] * turns[a][k];
         }
-        const bool resolved = curvature * grid.dx * grid.dx < most_turn * most_turn && square > 0.25;
-        double across = -bent / math::sqrt(square > 0 ? square : 1.0);
+        if (!(square > least_square) || !(curvature * grid.dx * grid.dx < most_turn * most_turn)) return false;
+        const double size = math::sqrt(square);
+        sum = 0;
         for (int a = 0; a < 3; ++a) {
-            const int b = (a + 1) % 3, d = (a + 2) % 3;
-            across += n[a] * (spin[b] * (off[d] + past[d]) - spin[d] * (off[b] + past[b])) /
-                      math::sqrt(square > 0 ? square : 1.0);
+            n[a] /= size;
+            sum += n[a] * (liquid.swept(liquid.off, a) + liquid.swept(liquid.past, a));
+            for (int k = 0; k < 3; ++k) sum -= liquid.past[a] * turns[a][k] * liquid.past[k] / size;
         }
+        return true;
+    }
+    // dt a/2 beside a solid. Around edges from the gradient of the liquid's velocity, which may go on straight there.
+    KOKKOS_INLINE_FUNCTION void bend_along(
+        int of, const int c[3], const SmallMatrix& middle, double factor, std::ptrdiff_t i) const {
+        double x[3], n[3], across = 0;
+        grid.centre(c, x);
+        const auto liquid = passing(of, x, i);
+        const bool resolved = bend_across(liquid, x, n, across);
         for (int a = 0; a < grid.dimensions; ++a) {
-            const int b = (a + 1) % 3, d = (a + 2) % 3;
-            double sum = spin[b] * off[d] - spin[d] * off[b];
-            for (int k = 0; k < 3; ++k) sum += middle.at[a][k] * past[k];
-            path[a](i) = factor * (resolved ? across * n[a] / math::sqrt(square) : sum);
+            double sum = liquid.swept(liquid.off, a);
+            for (int k = 0; k < 3; ++k) sum += middle.at[a][k] * liquid.past[k];
+            path[a](i) = factor * (resolved ? across * n[a] : sum);
         }
     }
     KOKKOS_INLINE_FUNCTION void operator()(int n) const {

@@ -30,6 +30,7 @@ struct SlipSolids {
     Array<double> length;   // [window] slip length of the solid near the cell [m], infinity: all its tangents are free
     Array<int> body;        // [window] its number, Solids::number: < 0 no body
     Array<double> distance; // [window] of the cells' centres from the nearest solid, < 0 in it [m]
+    Array<double> closed_centre[3][2]; // ClosedCentres::offset(axis, k), of all solids
 };
 
 // Input of a solve. All arrays over the window of the halo, with valid values in all its cells.

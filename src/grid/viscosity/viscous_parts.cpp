@@ -208,11 +208,18 @@ struct TractionLoop {
             n[k] = 0;
         }
     }
-    // Across what is left of the areas.
+    // True for cell i or the one beside it that the areas n lead to most.
+    KOKKOS_INLINE_FUNCTION bool has_pressure(std::ptrdiff_t i, const double n[3]) const {
+        if (distance.extent(0) == 0) return false;
+        int k = 0;
+        for (int l = 1; l < faces.dimensions; ++l) k = n[l] * n[l] > n[k] * n[k] ? l : k;
+        return distance(i) < 0 || distance(i + (n[k] < 0 ? -faces.stride[k] : faces.stride[k])) < 0;
+    }
+    // Across what is left of the areas. A cell without a pressure below one that has it is a hole in the liquid, not a film: held at
+    // its centre, off the surface, the liquid would turn by as much as it flows into the hole.
     KOKKOS_INLINE_FUNCTION void resist_rest(std::ptrdiff_t i, const double n[3]) const {
         const double size = size_of(n);
-        const bool has_pressure = distance.extent(0) > 0 && distance(i) < 0;
-        if (size > min_liquid_fraction && !has_pressure) add(i, n, size, 1 / no_penetration_layer, 0);
+        if (size > min_liquid_fraction && !has_pressure(i, n)) add(i, n, size, 1 / no_penetration_layer, 0);
     }
     KOKKOS_INLINE_FUNCTION void operator()(int at) const {
         int c[3];

@@ -110,16 +110,17 @@ TEST(FreeSlip, DrumsTakeFewIterations) {
     }
 }
 
-// A face's middle is not that of its open part: fluxes of the former let a turn cross the wall, and at 1e5 Pa s the liquid kept 0.82.
+// A face's middle is not that of its open part: with fluxes of the former a turn crosses the wall, and the liquid keeps 0.82 at 1e5 Pa s and
+// 0.17 at 1e6.
 TEST(FreeSlip, DrumsAtRestLetLiquidTurn) {
-    for (const double viscosity : {1.0, 100.0, 1e4, 1e5}) {
+    for (const double viscosity : {1.0, 100.0, 1e4, 1e5, 1e6}) {
         auto sample = drum_of(viscosity, scene::BodyKind::fixed, 0);
         sample.velocity = [](const Vec3& x) { return Vec3{-3 * (x[1] - 0.5), 3 * (x[0] - 0.5), 0}; };
         sample.gradient = {{{0, -3, 0}, {3, 0, 0}, {0, 0, 0}}};
         auto step = started(Comm::world(), sample);
         double time = 0;
         while (time < 0.333) time += step->advance(0.0333).dt;
-        EXPECT_GT(spin_of(step->totals()), 0.98 * 3) << viscosity;
+        EXPECT_GT(spin_of(step->totals()), 0.99 * 3) << viscosity;
     }
 }
 
