@@ -28,7 +28,7 @@ struct SolidCrossings {
         const double at_b = da - 2 * db + solid(nodes.index(after[0], after[1], after[2]));
         return at_a * at_b > 0 ? 2 * at_a * at_b / (at_a + at_b) : 0;
     }
-    // Share of the line from node a to node b, whose distances differ in sign, that lies on a's side. A surface bends away from the zero of a
+    // Fraction of the line from node a to node b, whose distances differ in sign, that lies on a's side. A surface bends away from the zero of a
     // straight line by h^2 / 8 R, which for a body that turns along itself is a flow across its surface.
     KOKKOS_INLINE_FUNCTION double operator()(const int a[3], const int b[3], double da, double db) const {
         const double rise = db - da, most = math::fabs(rise);
@@ -68,18 +68,18 @@ struct FaceSquare {
     }
 
 private:
-    KOKKOS_INLINE_FUNCTION void place(int corner, double out[2]) const {
+    KOKKOS_INLINE_FUNCTION void corner_position(int corner, double out[2]) const {
         out[0] = corner & 1;
         out[1] = corner >> 1;
     }
-    KOKKOS_INLINE_FUNCTION double share(const SolidCrossings& crossing, int from, int to) const {
+    KOKKOS_INLINE_FUNCTION double fraction(const SolidCrossings& crossing, int from, int to) const {
         return crossing(node[from], node[to], distance[from], distance[to]);
     }
-    KOKKOS_INLINE_FUNCTION void on_edge(int from, int to, double share, double out[2]) const {
+    KOKKOS_INLINE_FUNCTION void on_edge(int from, int to, double fraction, double out[2]) const {
         double a[2], b[2];
-        place(from, a);
-        place(to, b);
-        for (int k = 0; k < 2; ++k) out[k] = a[k] + share * (b[k] - a[k]);
+        corner_position(from, a);
+        corner_position(to, b);
+        for (int k = 0; k < 2; ++k) out[k] = a[k] + fraction * (b[k] - a[k]);
     }
     KOKKOS_INLINE_FUNCTION void add_negative(
         const SolidCrossings& crossing, const int corner[3], SquarePart& sum) const {
@@ -89,17 +89,17 @@ private:
         if (negative == 0) return;
         double a[2], b[2], c[2];
         if (negative > 1) {
-            place(corner[0], a);
-            place(corner[1], b);
-            place(corner[2], c);
+            corner_position(corner[0], a);
+            corner_position(corner[1], b);
+            corner_position(corner[2], c);
             sum.add(1, a, b, c);
         }
         if (negative == 3) return;
         const int alone = corner[negative == 1 ? o[0] : o[2]], first = corner[negative == 1 ? o[1] : o[0]],
                   second = corner[negative == 1 ? o[2] : o[1]];
-        place(alone, a);
-        on_edge(alone, first, share(crossing, alone, first), b);
-        on_edge(alone, second, share(crossing, alone, second), c);
+        corner_position(alone, a);
+        on_edge(alone, first, fraction(crossing, alone, first), b);
+        on_edge(alone, second, fraction(crossing, alone, second), c);
         sum.add(negative == 1 ? 1 : -1, a, b, c);
     }
 };

@@ -103,7 +103,8 @@ struct DistanceSampler {
     // Second derivatives [1/m], over a cell's width; of a distance they are how its normal turns.
     KOKKOS_INLINE_FUNCTION void second_derivatives(const double x[3], double out[3][3]) const {
         for (int l = 0; l < 3; ++l) {
-            double below[3] = {x[0], x[1], x[2]}, above[3] = {x[0], x[1], x[2]}, low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
+            double below[3] = {x[0], x[1], x[2]}, above[3] = {x[0], x[1], x[2]}, low[3] = {0, 0, 0},
+                   high[3] = {0, 0, 0};
             below[l] -= nodes.width;
             above[l] += nodes.width;
             if (l < nodes.dimensions) {

@@ -55,16 +55,16 @@ struct NeighbourLoop {
     Array<int> face_of, row_of[3], rows;
     Array<double> values;
 
-    // The step to the face that the flux through face i across axis a takes a share of the velocity of, along axis a + 1 + k; 0: none. Both
+    // The step to the face that the flux through face i across axis a takes part of the velocity of, along axis a + 1 + k; 0: none. Both
     // must have a stress between them, and so be in each other's halo.
-    KOKKOS_INLINE_FUNCTION std::ptrdiff_t step(int a, std::ptrdiff_t i, int k, double& share) const {
+    KOKKOS_INLINE_FUNCTION std::ptrdiff_t step(int a, std::ptrdiff_t i, int k, double& weight) const {
         const int b = (a + 1 + k) % 3;
         const double open = faces.open(a, static_cast<std::size_t>(i));
         if (b >= faces.dimensions || !(open > 0) || !(open < 1) || row_of[a](i) < 0) return 0;
         if (slip.no_slip_fractions.open.axis[a](i) < 1) return 0;
         const double offset = -(1 - open) / open * slip.closed_centre[a][k](i);
-        share = math::min(math::fabs(offset), 0.5);
-        if (!(share > 0)) return 0;
+        weight = math::min(math::fabs(offset), 0.5);
+        if (!(weight > 0)) return 0;
         const std::ptrdiff_t to = offset > 0 ? faces.stride[b] : -faces.stride[b];
         const bool tied = row_of[a](i + to) >= 0 && shear.axis[3 - a - b](to > 0 ? i + to : i) > 0;
         return tied ? to : 0;
@@ -73,18 +73,18 @@ struct NeighbourLoop {
         const int a = face_of(r) % 3;
         const std::ptrdiff_t i = face_of(r) / 3;
         for (int k = 0; k < 2; ++k) {
-            double share = 0;
-            const auto to = step(a, i, k, share);
+            double weight = 0;
+            const auto to = step(a, i, k, weight);
             rows(6 * r + k) = to != 0 ? row_of[a](i + to) : -1;
-            values(6 * r + k) = share;
+            values(6 * r + k) = weight;
             for (int side = 0; side < 2; ++side) {
                 const int at = 6 * r + 2 + 2 * k + side, b = (a + 1 + k) % 3;
                 rows(at) = -1;
                 if (b >= faces.dimensions) continue;
                 const std::ptrdiff_t back = side == 0 ? -faces.stride[b] : faces.stride[b];
-                if (step(a, i + back, k, share) != -back) continue;
+                if (step(a, i + back, k, weight) != -back) continue;
                 rows(at) = row_of[a](i + back);
-                values(at) = share;
+                values(at) = weight;
             }
         }
     }
@@ -184,9 +184,9 @@ void PressedFaces::flux(std::span<const double> u, std::span<double> y) {
     const auto around = of_faces_->gather(u);
     const auto own = u.first(static_cast<std::size_t>(faces_));
     at_open_.assign(own.begin(), own.end());
-    for (const auto& [face, other, share] : taken_) {
+    for (const auto& [face, other, weight] : taken_) {
         const auto r = static_cast<std::size_t>(face);
-        at_open_[r] += share * (value_at(own, around, other) - own[r]);
+        at_open_[r] += weight * (value_at(own, around, other) - own[r]);
     }
     middle_flux(at_open_, y);
 }
@@ -225,12 +225,12 @@ void PressedFaces::add_forces(std::span<const double> p, std::span<double> y) {
     add_middle_forces(p, at_open_);
     const auto around = of_faces_->gather(at_open_);
     for (std::size_t r = 0; r < sides_.size(); ++r) y[r] += at_open_[r];
-    for (const auto& [face, other, share] : taken_) {
+    for (const auto& [face, other, weight] : taken_) {
         const auto r = static_cast<std::size_t>(face);
-        y[r] -= share * at_open_[r];
+        y[r] -= weight * at_open_[r];
     }
-    for (const auto& [face, other, share] : given_) {
-        y[static_cast<std::size_t>(face)] += share * value_at(at_open_, around, other);
+    for (const auto& [face, other, weight] : given_) {
+        y[static_cast<std::size_t>(face)] += weight * value_at(at_open_, around, other);
     }
 }
 

@@ -56,7 +56,7 @@ private:
     struct Neighbour {
         int face, other; // local viscous row; the same, or from faces_ on place in the halo
         double
-            share; // of the other one's velocity in the flux through the face, or of this one's in that through the other
+            weight; // of the other one's velocity in the flux through the face, or of this one's in that through the other
     };
     static constexpr int none = -1;
     void differences(std::span<const double> p, std::vector<double>& out);

@@ -33,7 +33,7 @@ struct CentreLoop {
     Array<double> slip;
     Array<double> out[6], path[6];
 
-    KOKKOS_INLINE_FUNCTION bool holds(int solid) const {
+    KOKKOS_INLINE_FUNCTION bool sticks(int solid) const {
         return solid == Solids::nothing || !(slip(Solids::slot(solid)) > 0);
     }
 
@@ -141,7 +141,7 @@ struct CentreLoop {
         const int nearest = number(FineNodes::per_cell * i + (grid.dimensions == 2 ? 3 : 7));
         double fraction = fluid(i);
         if (fraction > 0 && fraction < 1) bend_along(nearest, c, middle, factor, i);
-        if (!holds(nearest)) fraction = 1;
+        if (!sticks(nearest)) fraction = 1;
         if (fraction < 1 && nearest >= 0) motion.strains(nearest, of_solid);
         for (int k = 0; k < 6; ++k) out[k](i) = fraction * liquid[k] + (1 - fraction) * of_solid[k];
         for (int a = 0; a < 3; ++a) path[3 + a](i) = liquid[a];
