@@ -5,7 +5,7 @@
 // Parts of faces on the solid's side of its surface. A face is cut between fine nodes, each square of them as two triangles.
 namespace treacle::grid {
 
-// Where the solid's surface crosses the lines between fine nodes.
+// Crossings of the solid's surface with the lines between fine nodes.
 struct SolidCrossings {
     FineNodes nodes;
     Array<double> solid; // distances at the fine nodes [m]
