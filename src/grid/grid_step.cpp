@@ -179,8 +179,8 @@ void GridStep::find_strains(double dt) {
     closing_.clear(cells_halo_);
     separation_.clear();
     if (relaxes_density())
-        density_relaxation_.find(
-            setup_.options.density_relaxation, {grid_, cells_halo_, cells_, distance_, fractions_}, dt);
+        density_relaxation_.find(setup_.options.density_relaxation,
+            {grid_, cells_halo_, cells_, particles_, distance_, fractions_, scene::length(setup_.domain.gravity)}, dt);
     find_inflow(fractions_.open);
 }
 

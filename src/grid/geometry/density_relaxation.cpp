@@ -8,6 +8,8 @@ namespace treacle::grid {
 
 namespace {
 constexpr double whole = 1 - 1e-9; // share of a cell from which no solid cuts it
+constexpr double strain = 0.125;   // in the least time that a step counts for
+constexpr double fall = 1.0 / 32;  // of the width of a cell by gravity in that time
 
 // Calls use(place, weight) for a cell and those around it, with weights 1, 2, 1 along each axis: by plain sums a lattice that
 // turns would seem to become sparse and dense by some percent as its rows pass the sides of cells.
@@ -45,10 +47,33 @@ struct WithinLoop {
 struct InflowLoop {
     CellBox owned, window;
     int dimensions;
-    double full;            // particles in a cell at rest
-    double dead_band, rate; // [m/s] for a cell without particles
+    double full; // particles in a cell at rest
+    double dead_band, steps, dx, dt;
+    double falls; // 1/ the least time that a step counts for, by gravity [1/s]
+    CellList particles;
+    Array3 affine[3];
     Array<int> within;
     Array<double> inflow;
+
+    // Sum of squares of the rates of strain of a particle, 2 D : D [1/s2].
+    KOKKOS_INLINE_FUNCTION double square_rate(int p) const {
+        double sum = 0;
+        for (int a = 0; a < dimensions; ++a) {
+            for (int b = 0; b < dimensions; ++b) {
+                const double twice = affine[a](p, b) + affine[b](p, a);
+                sum += 0.5 * twice * twice;
+            }
+        }
+        return sum;
+    }
+    // 1/ the time that the step counts for: its own, or the least one by the strains and by gravity [1/s].
+    KOKKOS_INLINE_FUNCTION double rate(const int c[3]) const {
+        const int at = particles.window.index(c[0], c[1], c[2]), first = particles.begin(at), last = particles.end(at);
+        if (first == last) return 1 / dt; // torn
+        double sum = 0;
+        for (int p = first; p < last; ++p) sum += square_rate(p);
+        return math::min(1 / dt, math::max(falls, math::sqrt(sum / (last - first)) / strain));
+    }
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
@@ -56,14 +81,14 @@ struct InflowLoop {
         const int at = window.index(c[0], c[1], c[2]);
         inflow(at) = 0;
         if (within(at) < 0) return;
-        int particles = 0, cells = 0;
+        int number = 0, cells = 0;
         each_around(c, dimensions, window, [&](int n, int weight) {
             if (within(n) < 0) return;
-            particles += weight * within(n);
+            number += weight * within(n);
             cells += weight;
         });
-        const double missing = 1 - particles / (full * cells);
-        inflow(at) = rate * (missing - math::max(-dead_band, math::min(dead_band, missing)));
+        const double missing = 1 - number / (full * cells);
+        inflow(at) = dx / steps * rate(c) * (missing - math::max(-dead_band, math::min(dead_band, missing)));
     }
 };
 } // namespace
@@ -78,9 +103,11 @@ void DensityRelaxation::find(const DensityRelaxationOptions& options, const Scen
     Kokkos::parallel_for("treacle::within_liquid", static_cast<int>(around.size()),
         WithinLoop{around, window, dimensions, scene.cells, scene.distance, scene.fractions.cell_fluid, within_});
     const double full = std::pow(particles_per_axis, dimensions);
-    const double rate = scene.grid.dx / (options.steps * dt);
+    const double dx = scene.grid.dx, falls = std::sqrt(scene.gravity / (2 * fall * dx));
+    const auto& particles = scene.particles;
     Kokkos::parallel_for("treacle::density_relaxation", static_cast<int>(owned.size()),
-        InflowLoop{owned, window, dimensions, full, options.dead_band, rate, within_, inflow_});
+        InflowLoop{owned, window, dimensions, full, options.dead_band, options.steps, dx, dt, falls, scene.cells,
+            {particles.affine(0), particles.affine(1), particles.affine(2)}, within_, inflow_});
 }
 
 } // namespace treacle::grid

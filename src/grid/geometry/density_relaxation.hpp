@@ -1,5 +1,6 @@
 #pragma once
 #include "grid/geometry/fractions.hpp"
+#include "grid/mac/particles.hpp"
 #include "kokkos/cells.hpp"
 #include "mpi/cell_halo.hpp"
 
@@ -7,7 +8,7 @@ namespace treacle::grid {
 
 // Rate at which the density returns to that of rest.
 struct DensityRelaxationOptions {
-    double steps = 15;       // in which the density is that of rest again; 0: never
+    double steps = 15;       // in which the density is that of rest again; 0: never. Short steps count for less
     double dead_band = 0.05; // share of the rest density that may be missing, or too much
 };
 
@@ -16,15 +17,19 @@ struct DensityRelaxationOptions {
 // too large; and if liquid only drew together, what flows for long would be pressed together by the dead band of the position
 // correction. Within the liquid the projections aim at a divergence of -(deficit - dead_band)/(steps dt) in its place, or of
 // (surplus - dead_band)/(steps dt): the share of particles missing or too much, as a mean over a cell and those around it.
+// Steps shorter than the time of a strain of 1/8 and of a fall through 1/32 of a cell, the lesser of both, count for their share of it, so
+// that the motion is one of time and not of the number of steps. In it distances between particles change little.
 class DensityRelaxation {
 public:
     // Input of find(); arrays are over the window of the halo.
     struct Scene {
         const MacGrid& grid;
         const CellHalo& halo;
-        const CellList& cells;         // with ghosts in the cells around the owned ones
+        const CellList& cells; // with ghosts in the cells around the owned ones
+        const GridParticles& particles;
         const Array<double>& distance; // of centres from the surface [m], current two cells around the owned ones
         const Fractions& fractions;    // cell_fluid, current one cell around
+        double gravity;                // [m/s2]
     };
     // Local. Cells cut by solids, and those beside the surface, which particles do not fill, count for nothing.
     void find(const DensityRelaxationOptions& options, const Scene& scene, double dt);
