@@ -45,10 +45,8 @@ void declare_correction(Declaration& d, GridOptions& options) {
 void declare_density_relaxation(Declaration& d, DensityRelaxationOptions& options) {
     d.number("steps", options.steps, unit::none, range_at_least(0),
         "Steps in which liquid that has become sparse, as what is torn or splashes does, draws together again, and "
-        "liquid "
-        "that has become too dense spreads; 0: never. Fewer than 3 overshoot. Steps in which liquid is strained by "
-        "less than "
-        "1/8 and would fall by less than 1/32 of a cell count for less.");
+        "liquid that has become too dense spreads; 0: never. Fewer than 3 overshoot. Steps in which liquid is strained "
+        "by less than 1/8 and would fall by less than 1/32 of a cell count for less.");
     d.number("dead_band", options.dead_band, unit::none, range_between(0, 1),
         "Share of the rest density that may be missing or too much: particles in motion are never spread quite "
         "evenly.");

@@ -1,6 +1,7 @@
 #include "grid/geometry/density_relaxation.hpp"
 
 #include "grid/geometry/seeding.hpp"
+#include "grid/mac/small_matrix.hpp"
 
 #include <cmath>
 
@@ -55,23 +56,19 @@ struct InflowLoop {
     Array<int> within;
     Array<double> inflow;
 
-    // Sum of squares of the rates of strain of a particle, 2 D : D [1/s2].
-    KOKKOS_INLINE_FUNCTION double square_rate(int p) const {
-        double sum = 0;
-        for (int a = 0; a < dimensions; ++a) {
-            for (int b = 0; b < dimensions; ++b) {
-                const double twice = affine[a](p, b) + affine[b](p, a);
-                sum += 0.5 * twice * twice;
-            }
+    KOKKOS_INLINE_FUNCTION SmallMatrix gradient(int particle) const {
+        SmallMatrix out;
+        for (int a = 0; a < 3; ++a) {
+            for (int b = 0; b < 3; ++b) out.at[a][b] = affine[a](particle, b);
         }
-        return sum;
+        return out;
     }
     // 1/ the time that the step counts for: its own, or the least one by the strains and by gravity [1/s].
     KOKKOS_INLINE_FUNCTION double rate(const int c[3]) const {
         const int at = particles.window.index(c[0], c[1], c[2]), first = particles.begin(at), last = particles.end(at);
         if (first == last) return 1 / dt; // torn
         double sum = 0;
-        for (int p = first; p < last; ++p) sum += square_rate(p);
+        for (int p = first; p < last; ++p) sum += 2 * gradient(p).strain_squares();
         return math::min(1 / dt, math::max(falls, math::sqrt(sum / (last - first)) / strain));
     }
 
@@ -88,7 +85,8 @@ struct InflowLoop {
             cells += weight;
         });
         const double missing = 1 - number / (full * cells);
-        inflow(at) = dx / steps * rate(c) * (missing - math::max(-dead_band, math::min(dead_band, missing)));
+        const double beyond = missing - math::max(-dead_band, math::min(dead_band, missing));
+        if (beyond != 0) inflow(at) = dx / steps * rate(c) * beyond;
     }
 };
 } // namespace

@@ -18,6 +18,15 @@ protected:
         sample.liquid = [](const Vec3&) { return 1.0; };
         return sample;
     }
+    // Filled up to 0.6 m; each fifth particle is missing, wherever it is.
+    static StepSample sparse_tank(double viscosity) {
+        auto sample = tank(viscosity);
+        sample.liquid = [](const Vec3& x) {
+            const auto number = std::llround(1e6 * (x[0] + 31 * x[1]));
+            return scatter(number) > 0.6 ? 1.0 : x[1] - 0.6;
+        };
+        return sample;
+    }
     // Twice the height of the centre of mass [m].
     static double level(const GridStep& step) {
         const auto totals = step.totals();
@@ -36,14 +45,10 @@ protected:
     }
 };
 
-// Each fifth particle is missing, wherever it is; solved for one after the other and together.
+// Solved for one after the other and together.
 TEST_F(Contracting, SparseLiquidTakesItsVolumeAgain) {
     for (const auto solve : {StokesSolve::split, StokesSolve::together}) {
-        auto sample = tank(50);
-        sample.liquid = [](const Vec3& x) {
-            const auto number = std::llround(1e6 * (x[0] + 31 * x[1]));
-            return scatter(number) > 0.6 ? 1.0 : x[1] - 0.6;
-        };
+        auto sample = sparse_tank(50);
         sample.setup.options.stokes.solve = solve;
         const auto step = after(sample, 2, 0.01); // steps that count for half of one
         EXPECT_LT(volume(*step), 0.52);           // it began with 0.6
@@ -59,11 +64,7 @@ TEST_F(Contracting, SparseLiquidTakesItsVolumeAgain) {
 TEST_F(Contracting, DoesNotDependOnTheNumberOfSteps) {
     double lost[2];
     for (std::size_t k = 0; k < 2; ++k) {
-        auto sample = tank(2000);
-        sample.liquid = [](const Vec3& x) {
-            const auto number = std::llround(1e6 * (x[0] + 31 * x[1]));
-            return scatter(number) > 0.6 ? 1.0 : x[1] - 0.6;
-        };
+        auto sample = sparse_tank(2000);
         const double first = level(*after(sample, 0, 1));
         lost[k] = first - level(*after(sample, 0.32, k == 0 ? 0.016 : 0.002));
     }
