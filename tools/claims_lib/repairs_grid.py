@@ -108,12 +108,12 @@ def ramps(context):
     for degrees, place, viscosity, kind, ranks in context.sample(cases, 6, 80):
         angle = math.radians(degrees)
         normal, along = (math.sin(angle), math.cos(angle)), (math.cos(angle), -math.sin(angle))
-        at = (0.6, 1.2 + 0.02 * place)
+        at = (0.9, 1.2 + 0.02 * place)  # no liquid reaches the ramp's ends
         middle = [x + 0.15 * n for x, n in zip(at, normal)]
         ramp = f"kind: static, shape: {{plane: {{point: {list(at)}, normal: {list(normal)}}}}}"
         if kind == "kinematic":  # carried along its own surface
             below = [x - 0.15 * n + 0.06 * part for x, n, part in zip(at, normal, along)]
-            ramp = (f"kind: kinematic, velocity: {[0.5 * part for part in along]}, shape: {{box: {{min: [-0.55, -0.15], max: [0.55, 0.15], "
+            ramp = (f"kind: kinematic, velocity: {[0.5 * part for part in along]}, shape: {{box: {{min: [-0.85, -0.15], max: [0.85, 0.15], "
                     f"rotation_angle: -{degrees} deg, translation: {below}}}}}")
         steps, _ = run_text(context, RAMP.format(viscosity=viscosity, degrees=degrees, middle=middle, ramp=ramp), "ramp", ranks)
         speed = sum(steps[f"momentum {axis}"][-1] * part for axis, part in zip("xy", along)) / steps["mass"][-1]
