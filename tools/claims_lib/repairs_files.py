@@ -83,7 +83,25 @@ def reproductions(context):
     return Figure(f"{total - len(failed)} of {total} in {seconds:.0f} s" + "".join(f"; {name} fails" for name in failed), not failed)
 
 
+def from_bare_clone(minutes, command):
+    """A row whose figure is how long a command of tools/ takes in a clone of the last commit, without a compiler's cache."""
+    def measure(context):
+        with tempfile.TemporaryDirectory(prefix="treacle_clone_") as folder:
+            clone = pathlib.Path(folder) / "treacle"
+            execute(context, ["git", "clone", "--quiet", "--depth", "1", f"file://{context.root}", clone])
+            done = execute(context, [clone / command], expect=None, timeout=7200, env={"CCACHE_DISABLE": "1", "OMP_NUM_THREADS": "1"}, cwd=clone)
+        said = re.search(r"\d+ passed, \d+ failed", done.output)
+        text = f"{done.seconds / 60:.1f} min, exit code {done.code}" + (f", {said[0]}" if said else "")
+        return Figure(text, done.code == 0 and done.seconds <= 60 * minutes)
+
+    return measure
+
+
 def add_rows(table):
+    table.row("demo in time", claim="tools/demo in a bare clone, OMP_NUM_THREADS=1, no cache, packages there", asked="<= 12 min")(
+        from_bare_clone(12, "tools/demo"))
+    table.row("tests in time", claim="tools/test in a bare clone, OMP_NUM_THREADS=1, no cache, packages there", asked="<= 20 min")(
+        from_bare_clone(20, "tools/test"))
     table.row("one run a folder", claim="run --overwrite and resume while another run writes, 1 and 2 ranks; after a kill",
               asked="exit code 2, the first run whole; a crash leaves no lock")(tested(("kill_test.py", "Folder")))
     table.row("kills", claim="30 SIGKILLs at random, resumed on 1 to 3 ranks",
