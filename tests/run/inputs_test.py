@@ -25,7 +25,7 @@ SHORTENED = {
     "layered_tank": {"time.end": "0.01"},
     "koshizuka_oka": {"domain.spacing": "0.0146", "time.end": "0.08"},
     "martin_moyce": {"domain.spacing": "0.0057", "time.end": "0.04"},
-    "neutral_ball": {"domain.spacing": "0.022", "time.end": "0.004", "method.pressure.residual": "1e-7", "method.pressure.max_iterations": "20000"},
+    "neutral_ball": {"domain.spacing": "0.022", "time.end": "0.008", "method.pressure.residual": "1e-7", "method.pressure.max_iterations": "20000"},
     "periodic_tank": {"domain.spacing": "0.02", "time.end": "0.12"},
     "stirrer": {"time.end": "0.05"},
     "water_wheel": {"domain.spacing": "0.025", "time.end": "0.06"},

@@ -5,7 +5,7 @@ import re
 import tempfile
 
 from .run import Columns, built, execute, launched, run_scene, scratch
-from .table import Figure
+from .table import Figure, Unmeasured
 
 RUN_TESTS = "tests/run"
 FLYING = """
@@ -86,6 +86,8 @@ def reproductions(context):
 def from_bare_clone(minutes, command):
     """A row whose figure is how long a command of tools/ takes in a clone of the last commit, without a compiler's cache."""
     def measure(context):
+        if context.quick:
+            raise Unmeasured("compiles the program, for minutes: without --quick")
         with tempfile.TemporaryDirectory(prefix="treacle_clone_") as folder:
             clone = pathlib.Path(folder) / "treacle"
             execute(context, ["git", "clone", "--quiet", "--depth", "1", f"file://{context.root}", clone])

@@ -139,10 +139,9 @@ def drums(context):
 
 def gripping_drum(context):
     """Rate of the liquid by its angular momentum over its moment of inertia where its particles are."""
-    text = DRUM.format(spacing=0.01, viscosity=100, centre=[0, 0], slip="no_slip").replace("interval: 0}", "interval: 0.5}")
     with scratch(context, "drum") as folder:
-        (folder / "scene.yaml").write_text(text)
-        frame = run_scene(context, folder / "scene.yaml", folder / "run", ranks=2).frame()
+        (folder / "scene.yaml").write_text(DRUM.format(spacing=0.01, viscosity=100, centre=[0, 0], slip="no_slip"))
+        frame = run_scene(context, folder / "scene.yaml", folder / "run", ranks=2, set={"output.interval": 0.5}).frame()
     x, v = frame["position"], frame["velocity"]
     squares = (x**2).sum(axis=1)
     rate = (x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]).sum() / squares.sum()
