@@ -20,14 +20,16 @@ ERROR = "clang-diagnostic-error"
 WITH_VALUE = {"-isystem", "-include", "-I", "-D"}
 
 
-def compile_commands(context):
-    """Of the build folder: {source that is no test: its flags, a tuple each}."""
+def compile_flags(context):
+    """Flags of all compilers' commands for sources that are no tests, each once, a tuple each."""
     path = context.build / "compile_commands.json"
     if not path.exists():
         raise Unmeasured(f"needs {path}: cmake --preset release")
-    commands = {entry["file"]: shlex.split(entry["command"]) for entry in json.loads(path.read_text())}
-    inside = {file: words for file, words in sorted(commands.items()) if re.match(r"(src|kokkos|mpi)/", os.path.relpath(file, context.root))}
-    return {file: flags_of(words, file) for file, words in inside.items() if os.path.exists(file)}
+    flags = {}
+    for entry in json.loads(path.read_text()):
+        if "/tests/" not in entry["file"]:
+            flags.update(dict.fromkeys(flags_of(shlex.split(entry["command"]), entry["file"])))
+    return list(flags)
 
 
 def flags_of(words, file):
@@ -47,9 +49,9 @@ def flags_of(words, file):
 class Tidy:
     """clang-tidy over many sources with the flags of all of them."""
 
-    def __init__(self, context, program, commands):
+    def __init__(self, context, program):
         self.root, self.build, self.program = context.root, context.build, program
-        self.flags = [word for flag in dict.fromkeys(flag for flags in commands.values() for flag in flags) for word in flag]
+        self.flags = [word for flag in compile_flags(context) for word in flag]
 
     def found(self, files, checks=""):
         """Set of (file, line, check) in sources and in the headers that they include."""
@@ -90,10 +92,10 @@ class Tidy:
 def tidy(context):
     """With --quick a sample of the files."""
     program, version = needed(context, "clang-tidy")
-    commands = compile_commands(context)
-    files = context.sample(list(commands), QUICK)
+    sources = [str(file) for folder in ("src", "kokkos", "mpi") for file in sorted((context.root / folder).rglob("*.cpp"))]
+    files = context.sample(sources, QUICK)
     context.note([program, "--quiet", "--config-file=.clang-tidy", f"BATCH_OF_{BATCH}_FILES.cpp", "--", "FLAGS_OF_ALL"])
-    found = [f"{os.path.relpath(file, context.root)}:{line}: {check}" for file, line, check in Tidy(context, program, commands).all(files)]
+    found = [f"{os.path.relpath(file, context.root)}:{line}: {check}" for file, line, check in Tidy(context, program).all(files)]
     where = listing(context, "tidy", found)
     return Figure(f"clang-tidy {version}: {len(found)} findings in {len(files)} files{': ' + some(found) if found else ''} ({where})", not found)
 

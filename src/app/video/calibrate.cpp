@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace treacle::app {
@@ -43,12 +42,6 @@ std::string state_text(video::PictureState state) {
     return "no board";
 }
 
-std::string fixed(double value, int decimals) {
-    char text[48];
-    std::snprintf(text, sizeof text, "%.*f", decimals, value);
-    return text;
-}
-
 bool has_errors(const video::BoardPicture& picture) {
     return picture.state == video::PictureState::used || picture.state == video::PictureState::outlier;
 }
@@ -62,7 +55,7 @@ void print_pictures(Log& log, const video::Calibration& calibration) {
     };
     log.line(padded("picture", width) + "  error  largest [pixels]");
     for (const auto& picture : calibration.pictures) {
-        const auto errors = has_errors(picture) ? fixed(picture.rms, 3) + "  " + fixed(picture.largest, 3)
+        const auto errors = has_errors(picture) ? format_fixed(picture.rms, 3) + "  " + format_fixed(picture.largest, 3)
                                                 : std::string("    -      -");
         const bool used = picture.state == video::PictureState::used;
         log.line(padded(picture.name, width) + "  " + errors +
@@ -76,8 +69,8 @@ void print_parameters(Log& log, const video::Calibration& calibration) {
     std::ranges::copy(lens.distortion, values.begin() + 4);
     for (std::size_t i = 0; i < 4 + std::size_t(calibration.options.coefficients); ++i) {
         const int decimals = i < 4 ? 2 : 5;
-        log.line(video::intrinsic_names()[i] + "  " + fixed(values[i], decimals) + " +- " +
-                 fixed(calibration.covariance.deviation(i), decimals) + (i < 4 ? " pixels" : ""));
+        log.line(video::intrinsic_names()[i] + "  " + format_fixed(values[i], decimals) + " +- " +
+                 format_fixed(calibration.covariance.deviation(i), decimals) + (i < 4 ? " pixels" : ""));
     }
 }
 
@@ -113,7 +106,7 @@ video::CameraRecord record_of(const video::Calibration& calibration, const std::
 
 std::string count_of_used(const video::Calibration& calibration, const video::CalibrationOptions& options) {
     return std::to_string(calibration.count(video::PictureState::used)) + " of " +
-           std::to_string(calibration.pictures.size()) + " pictures used, error " + fixed(calibration.rms, 3) +
+           std::to_string(calibration.pictures.size()) + " pictures used, error " + format_fixed(calibration.rms, 3) +
            " pixels; outliers exceed " + format_number(options.outlier_factor) + " times the median and " +
            format_number(options.outlier_floor) + " pixels";
 }

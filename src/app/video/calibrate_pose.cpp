@@ -12,7 +12,6 @@
 #include "video/pose/scene_overlay.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace treacle::app {
@@ -23,14 +22,8 @@ namespace fs = std::filesystem;
 constexpr double degree = std::numbers::pi / 180;
 constexpr double level_noise = 1; // [pixels] of points of a level or a plumb line
 
-std::string fixed(double value, int decimals) {
-    char text[48];
-    std::snprintf(text, sizeof text, "%.*f", decimals, value);
-    return text;
-}
-
 std::string vector_text(const Vec3& v, int decimals) {
-    return fixed(v[0], decimals) + ", " + fixed(v[1], decimals) + ", " + fixed(v[2], decimals);
+    return format_fixed(v[0], decimals) + ", " + format_fixed(v[1], decimals) + ", " + format_fixed(v[2], decimals);
 }
 
 struct LoadedScene {
@@ -115,10 +108,10 @@ void print_pose(Log& log, const video::CameraRecord& camera) {
     if (!camera.pose_covariance) return;
     const auto& c = *camera.pose_covariance;
     const auto deviation = [&](std::size_t i) { return std::sqrt(c[7 * i]); };
-    log.line("deviations: turn " + fixed(deviation(0) / degree, 4) + ", " + fixed(deviation(1) / degree, 4) + ", " +
-             fixed(deviation(2) / degree, 4) + " deg about the camera's axes; translation " +
-             fixed(1e3 * deviation(3), 3) + ", " + fixed(1e3 * deviation(4), 3) + ", " + fixed(1e3 * deviation(5), 3) +
-             " mm");
+    log.line("deviations: turn " + format_fixed(deviation(0) / degree, 4) + ", " +
+             format_fixed(deviation(1) / degree, 4) + ", " + format_fixed(deviation(2) / degree, 4) +
+             " deg about the camera's axes; translation " + format_fixed(1e3 * deviation(3), 3) + ", " +
+             format_fixed(1e3 * deviation(4), 3) + ", " + format_fixed(1e3 * deviation(5), 3) + " mm");
 }
 
 void take_points(const CalibrateRequest& request, video::CameraRecord& camera, Log& log) {
@@ -127,8 +120,9 @@ void take_points(const CalibrateRequest& request, video::CameraRecord& camera, L
     const auto estimate = video::pose_of_points(camera, points, {request.point_noise});
     if (listed)
         for (std::size_t i = 0; i < points.size(); ++i)
-            log.line(points[i].where + "  error " + fixed(estimate.distances[i], 2) + " pixels");
-    log.line("pose from " + std::to_string(points.size()) + " points, error " + fixed(estimate.rms, 3) + " pixels");
+            log.line(points[i].where + "  error " + format_fixed(estimate.distances[i], 2) + " pixels");
+    log.line(
+        "pose from " + std::to_string(points.size()) + " points, error " + format_fixed(estimate.rms, 3) + " pixels");
     for (const auto& warning : estimate.warnings) log.warn(warning);
     camera.pose = estimate.pose;
     camera.pose_covariance = estimate.covariance;
@@ -143,12 +137,13 @@ void refine(const CalibrateRequest& request, video::CameraRecord& camera, Log& l
     camera.pose = found.estimate.pose;
     camera.pose_covariance = found.estimate.covariance;
     log.line("refined on the outline of " + solid.name + ": " + std::to_string(found.points) + " points, " +
-             fixed(100 * found.fitting, 0) + " % fit, displacement " + fixed(found.mean, 3) + " +- " +
-             fixed(found.estimate.noise, 3) + " pixels, correlated over " + fixed(found.correlation, 0) + " pixels, " +
-             fixed(found.pieces, 0) + " independent pieces, overlap " + fixed(found.overlap_before, 4) + " -> " +
-             fixed(found.overlap_after, 4));
+             format_fixed(100 * found.fitting, 0) + " % fit, displacement " + format_fixed(found.mean, 3) + " +- " +
+             format_fixed(found.estimate.noise, 3) + " pixels, correlated over " + format_fixed(found.correlation, 0) +
+             " pixels, " + format_fixed(found.pieces, 0) + " independent pieces, overlap " +
+             format_fixed(found.overlap_before, 4) + " -> " + format_fixed(found.overlap_after, 4));
     log.line("deviation at the liquid " +
-             fixed(video::pixel_deviation(camera.model(), *camera.pose_covariance, solid.centre), 3) + " pixels");
+             format_fixed(video::pixel_deviation(camera.model(), *camera.pose_covariance, solid.centre), 3) +
+             " pixels");
     for (const auto& warning : found.estimate.warnings) log.warn(warning);
 }
 
@@ -162,13 +157,13 @@ void find_vertical(const CalibrateRequest& request, const video::CameraRecord& c
         for (std::size_t k = 0; k < 3; ++k) cosine -= vertical.up[k] * gravity[k] / g;
         const double angle = std::acos(std::min(1.0, cosine)) / degree;
         log.line("vertical from the " + source + ": " + vector_text(vertical.up, 5) + " +- " +
-                 fixed(vertical.deviation / degree, 2) + " deg, " + fixed(angle, 2) +
-                 " deg from that of the scene; points fit to " + fixed(1e3 * vertical.residual, 2) + " mm");
+                 format_fixed(vertical.deviation / degree, 2) + " deg, " + format_fixed(angle, 2) +
+                 " deg from that of the scene; points fit to " + format_fixed(1e3 * vertical.residual, 2) + " mm");
         log.line("domain.gravity: [" + vector_text({-g * vertical.up[0], -g * vertical.up[1], -g * vertical.up[2]}, 4) +
                  "]");
         if (angle * degree > 2 * vertical.deviation && angle > 0.2)
-            log.warn("the scene's gravity is off by " + fixed(angle, 2) + " deg, " +
-                     fixed(100 * std::sin(angle * degree), 1) + " % of it sideways");
+            log.warn("the scene's gravity is off by " + format_fixed(angle, 2) + " deg, " +
+                     format_fixed(100 * std::sin(angle * degree), 1) + " % of it sideways");
     };
     if (!request.level.empty())
         report(video::vertical_of_level(camera, video::read_levels(request.level), about, level_noise), "level");

@@ -5,22 +5,15 @@
 #include "base/text/file.hpp"
 #include "base/text/log.hpp"
 #include "base/text/progress.hpp"
+#include "base/text/text.hpp"
 #include "video/silhouette/clip_check.hpp"
 
-#include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace treacle::app {
 
 namespace {
 using video::FindingKind;
-
-std::string digits(double value, int after_point) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), "%.*f", after_point, value);
-    return text.data();
-}
 
 const char* name_of(FindingKind kind) {
     return kind == FindingKind::problem ? "problem" : kind == FindingKind::warning ? "warning" : "note";
@@ -34,23 +27,23 @@ void print_figures(Log& log, const video::ClipInfo& info, const video::ClipCheck
     line("size", std::to_string(info.width) + " x " + std::to_string(info.height) + " pixels, " +
                      (info.width >= info.height ? "landscape" : "portrait") + ", turned by " +
                      std::to_string(info.orientation.degrees()) + " degrees");
-    line("frames", std::to_string(info.stamps.size()) + ", " + digits(info.stamps.front(), 3) + " to " +
-                       digits(info.stamps.back(), 3) + " s");
-    line("rate", digits(info.rate(), 3) + " Hz, " + (info.variable_rate() ? "variable" : "constant"));
+    line("frames", std::to_string(info.stamps.size()) + ", " + format_fixed(info.stamps.front(), 3) + " to " +
+                       format_fixed(info.stamps.back(), 3) + " s");
+    line("rate", format_fixed(info.rate(), 3) + " Hz, " + (info.variable_rate() ? "variable" : "constant"));
     if (info.times.back() != info.stamps.back())
-        line("true times", digits(info.times.front(), 4) + " to " + digits(info.times.back(), 4) + " s");
+        line("true times", format_fixed(info.times.front(), 4) + " to " + format_fixed(info.times.back(), 4) + " s");
     line("doubled, dropped", std::to_string(check.doubled.size()) + ", " + std::to_string(check.dropped) + " frames");
-    line("brightness", digits(check.brightness_low, 3) + " to " + digits(check.brightness_high, 3) +
-                           " of the first frame, flicker " + digits(check.flicker, 4));
-    line("camera", check.registered ? "moves by " + digits(check.largest_shift, 2) + " px at most"
+    line("brightness", format_fixed(check.brightness_low, 3) + " to " + format_fixed(check.brightness_high, 3) +
+                           " of the first frame, flicker " + format_fixed(check.flicker, 4));
+    line("camera", check.registered ? "moves by " + format_fixed(check.largest_shift, 2) + " px at most"
                                     : "not followed: too little texture");
-    line("noise", digits(check.noise, 2) + " grey levels of 255");
+    line("noise", format_fixed(check.noise, 2) + " grey levels of 255");
     if (check.first_change)
         line("first change", "frame " + std::to_string(*check.first_change) + ", up to " +
-                                 digits(100 * check.moving_area, 1) + " % of the picture");
+                                 format_fixed(100 * check.moving_area, 1) + " % of the picture");
     if (check.contrast > 0)
-        line("contour", "contrast " + digits(check.contrast, 1) + " grey levels of 255, blur " +
-                            digits(check.edge_width, 2) + " px");
+        line("contour", "contrast " + format_fixed(check.contrast, 1) + " grey levels of 255, blur " +
+                            format_fixed(check.edge_width, 2) + " px");
 }
 
 nlohmann::ordered_json json_of(const video::ClipInfo& info, const video::ClipCheck& check) {
@@ -118,9 +111,9 @@ bool work(const CheckVideoRequest& request) {
     const double scale = request.camera.empty() ? 0 : scale_of(request, source->info(), check);
     print_figures(log, source->info(), check);
     if (scale > 0)
-        log.line("  scale                 " + digits(scale, 3) + " px per mm at " + digits(request.at[0], 3) + ", " +
-                 digits(request.at[1], 3) + ", " + digits(request.at[2], 3) + " m: 0.2 px of contour are " +
-                 digits(0.2 / scale, 3) + " mm");
+        log.line("  scale                 " + format_fixed(scale, 3) + " px per mm at " +
+                 format_fixed(request.at[0], 3) + ", " + format_fixed(request.at[1], 3) + ", " +
+                 format_fixed(request.at[2], 3) + " m: 0.2 px of contour are " + format_fixed(0.2 / scale, 3) + " mm");
     for (const auto& finding : check.findings) {
         if (finding.kind == FindingKind::problem && request.source.allow_damage &&
             finding.text.starts_with("is cut off"))

@@ -11,9 +11,7 @@
 #include "video/silhouette/silhouettes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -35,12 +33,6 @@ std::vector<double> row_of(const FrameSilhouette& s) {
         number(s.bottom), s.centre_x, s.centre_y, number(s.cleaning.parts), number(s.cleaning.specks),
         number(s.cleaning.dropped), number(s.cleaning.filled), number(s.excluded), number(s.shadow), s.faint,
         number(s.moved), s.edge_width, s.contrast, s.gain, s.shift.x, s.shift.y, s.shift.angle, s.shift.changed};
-}
-
-std::string digits(double value, int after_point) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), "%.*f", after_point, value);
-    return text.data();
 }
 
 // A film of the frames with the contours drawn in, at the frames' stamps. Stamps that start late or are odd are kept.
@@ -105,18 +97,18 @@ void require_motion(const video::ClipInfo& info, const Totals& totals, const std
 void tell(Log& log, const video::ClipInfo& info, const Totals& totals, const std::vector<std::string>& notes,
     const std::optional<video::MotionStart>& start) {
     for (const auto& note : notes) log.line(note);
-    if (info.stamps.front() != 0) log.line("the first time stamp is " + digits(info.stamps.front(), 6) + " s");
+    if (info.stamps.front() != 0) log.line("the first time stamp is " + format_fixed(info.stamps.front(), 6) + " s");
     if (info.variable_rate()) log.line("the rate is variable: times are the frames' own");
     if (totals.largest_shift > 0.3)
-        log.warn("the camera has moved: frames are shifted by up to " + digits(totals.largest_shift, 2) +
+        log.warn("the camera has moved: frames are shifted by up to " + format_fixed(totals.largest_shift, 2) +
                  " px (frame " + std::to_string(totals.shifted) + ") and were registered onto the first");
     if (totals.area > 0 && totals.faint > 0.02 * totals.area)
-        log.warn(digits(100 * totals.faint / totals.area, 1) +
+        log.warn(format_fixed(100 * totals.faint / totals.area, 1) +
                  " % of the liquid is faint: a reflection in the floor or a wetted film may be among it; "
                  "exclude it by a polygon (exclusions)");
     if (start)
-        log.line("first moving frame: " + std::to_string(start->frame) + ", at " + digits(start->time, 6) + " s +- " +
-                 digits(start->uncertainty, 6) + " s");
+        log.line("first moving frame: " + std::to_string(start->frame) + ", at " + format_fixed(start->time, 6) +
+                 " s +- " + format_fixed(start->uncertainty, 6) + " s");
     if (start && start->frame <= totals.frames.front().index + 1)
         log.warn("the liquid moves from the first frames on: it may have started before them");
 }

@@ -85,6 +85,12 @@ std::string format_number(double value) {
     return {buffer.data(), end};
 }
 
+std::string format_fixed(double value, int decimals) {
+    std::string text(std::size_t(std::snprintf(nullptr, 0, "%.*f", decimals, value)), '\0');
+    std::snprintf(text.data(), text.size() + 1, "%.*f", decimals, value);
+    return text;
+}
+
 std::pair<std::string, std::string> tell_apart(double a, double b) {
     constexpr int fewest = 4, most = 17; // digits, the most that a double has
     std::pair<std::string, std::string> out;

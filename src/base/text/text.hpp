@@ -24,6 +24,9 @@ std::string shorten(std::string text);
 // The shortest decimal that reads back as the same double.
 std::string format_number(double value);
 
+// With `decimals` digits after the point.
+std::string format_fixed(double value, int decimals);
+
 // Both with as many digits as distinguish them, four at least; of equal numbers the texts are equal.
 std::pair<std::string, std::string> tell_apart(double a, double b);
 

@@ -29,7 +29,7 @@ const char* name_of(ShapeKind kind) {
 
 namespace {
 
-[[noreturn]] void reject(
+[[noreturn]] void reject_value(
     const Shape& shape, const std::string& problem, const std::string& reason, const std::string& cure) {
     throw InputError({shape.where, problem, reason, cure});
 }
@@ -42,18 +42,18 @@ std::string text(double value) {
 
 void require_positive(const Shape& shape, const char* key, double value) {
     if (value > 0 && std::isfinite(value)) return;
-    reject(shape, std::string(name_of(shape.kind)) + "." + key + " = " + text(value) + ": must be > 0",
+    reject_value(shape, std::string(name_of(shape.kind)) + "." + key + " = " + text(value) + ": must be > 0",
         "a region has an extent", "give a length in metres or with its unit");
 }
 
 void require_finite(const Shape& shape, const char* key, const Vec3& value) {
     if (is_finite(value)) return;
-    reject(shape, std::string(name_of(shape.kind)) + "." + key + " is not finite", "", "give three numbers");
+    reject_value(shape, std::string(name_of(shape.kind)) + "." + key + " is not finite", "", "give three numbers");
 }
 
 void require_direction(const Shape& shape, const char* key, const Vec3& value) {
     if (is_finite(value) && length(value) > 0) return;
-    reject(shape, std::string(name_of(shape.kind)) + "." + key + " has no direction",
+    reject_value(shape, std::string(name_of(shape.kind)) + "." + key + " has no direction",
         "its three components are zero or not finite", "give a vector such as [0, 1, 0]");
 }
 
@@ -75,7 +75,7 @@ SurfacePointer box_of(const Shape& shape, int dimensions, const ShapePose& outer
     require_finite(shape, "max", shape.max);
     for (int a = 0; a < dimensions; ++a)
         if (!(shape.max[a] > shape.min[a]))
-            reject(shape,
+            reject_value(shape,
                 std::string("box.max = ") + text(shape.max[a]) + " m is not above box.min = " + text(shape.min[a]) +
                     " m along " + "xyz"[a],
                 "a box has an extent along each axis", "exchange or correct the two corners");
@@ -132,7 +132,7 @@ SurfacePointer round_of(const Shape& shape, int dimensions, const ShapePose& out
     if (body.profile == Profile::torus) {
         require_positive(shape, "tube_radius", shape.tube_radius);
         if (shape.tube_radius >= shape.radius)
-            reject(shape,
+            reject_value(shape,
                 "torus.tube_radius = " + text(shape.tube_radius) +
                     " m: must be below torus.radius = " + text(shape.radius) + " m",
                 "the tube would fill the hole", "lower the tube's radius");
@@ -163,7 +163,7 @@ SurfacePointer plane_of(const Shape& shape, int dimensions, const ShapePose& out
     if (dimensions == 3) return make_plane(point, normal, 3);
     const Vec3 flat{normal[0], normal[1], 0};
     const double l = length(flat);
-    if (l < 1e-12) reject(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
+    if (l < 1e-12) reject_value(shape, "plane.axis points along z", "a plane scene has no third direction", "tilt it");
     // The line where the plane meets z = 0.
     const Vec3 base{point[0], point[1], 0};
     return make_plane(base + (point[2] * normal[2] / (l * l)) * flat, (1 / l) * flat, 2);
@@ -232,7 +232,8 @@ void fill_mesh(const Shape& shape, int dimensions, const ShapePose& outer_pose, 
 void require_valid(const Shape& shape) {
     require_finite(shape, "translation", shape.translation);
     if (shape.rotation_angle != 0) require_direction(shape, "rotation_axis", shape.rotation_axis);
-    if (!std::isfinite(shape.rotation_angle)) reject(shape, "the rotation angle is not finite", "", "give an angle");
+    if (!std::isfinite(shape.rotation_angle))
+        reject_value(shape, "the rotation angle is not finite", "", "give an angle");
 }
 
 SurfacePointer primitive_of(const Shape& shape, int dimensions, const ShapePose& outer_pose) {
