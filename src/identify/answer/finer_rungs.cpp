@@ -93,7 +93,8 @@ void climb_rungs(
     }
     if (finer.empty()) return;
     take_fit(estimate(trials.good(), priors, finer, range_prior(file)), *out.estimate);
-    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, noise.freedom);
+    auto resolved =
+        extrapolate_answers(answers, {out.estimate->covariance, out.noise, noise.freedom, out.estimate->changes});
     if (file.search.answer == Answer::finest) {
         resolved.value = answers.back().value;
         resolved.resolution.setZero();
