@@ -67,7 +67,7 @@ struct ClipWriter::State {
     std::filesystem::path path, temporary;
     ClipOptions options;
     std::unique_ptr<AVFormatContext, FreeOutput> output;
-    Codec codec;
+    CodecContext codec;
     AVStream* stream = nullptr;
     Scaler scaler;
     Frame frame;

@@ -33,7 +33,7 @@ struct FreeScaler {
 
 // Owning pointers; null: none.
 using Input = std::unique_ptr<AVFormatContext, CloseInput>;
-using Codec = std::unique_ptr<AVCodecContext, FreeCodec>;
+using CodecContext = std::unique_ptr<AVCodecContext, FreeCodec>;
 using Frame = std::unique_ptr<AVFrame, FreeFrame>;
 using Packet = std::unique_ptr<AVPacket, FreePacket>;
 using Scaler = std::unique_ptr<SwsContext, FreeScaler>;

@@ -21,7 +21,7 @@ using namespace libav;
 struct OpenFile {
     Input input;
     int stream = -1;
-    Codec codec;
+    CodecContext codec;
 
     AVStream& video() const { return *input->streams[stream]; }
     double seconds(std::int64_t stamp) const { return static_cast<double>(stamp) * av_q2d(video().time_base); }

@@ -1,5 +1,6 @@
 #include "video/pose/contour_pose.hpp"
 
+#include "base/median.hpp"
 #include "base/text/error.hpp"
 #include "base/text/text.hpp"
 #include "video/camera/camera_matrix.hpp"
@@ -81,19 +82,12 @@ std::vector<Match> match_outlines(const scene::CameraModel& camera, const SeenSo
     return out;
 }
 
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 // Robust deviation about zero.
 double spread_of(const std::vector<Match>& matches) {
     std::vector<double> sizes;
     sizes.reserve(matches.size());
     for (const auto& match : matches) sizes.push_back(std::abs(match.displacement));
-    return std::max(floor_noise, 1.4826 * median(sizes));
+    return std::max(floor_noise, 1.4826 * upper_median(sizes));
 }
 
 double weight_of(double displacement, double deviation) {

@@ -16,22 +16,18 @@ namespace {
 constexpr double prior_points = 4; // weight of the expected noise, in points
 constexpr double hopeless = 20;    // [pixels] error above which points were mixed up
 
-[[noreturn]] void refuse(
-    const std::string& where, const std::string& problem, const std::string& reason, const std::string& cure) {
-    throw InputError({where, problem, reason, cure});
-}
-
 void check(const CameraRecord& camera, const std::vector<ScenePoint>& points) {
     if (points.size() < 4)
-        refuse(points.empty() ? "" : points.front().where, std::to_string(points.size()) + " points do not fix a pose",
-            "three have up to four poses", "list at least 4 points, better 8, far apart and not all on one plane");
+        throw InputError(
+            {points.empty() ? "" : points.front().where, std::to_string(points.size()) + " points do not fix a pose",
+                "three have up to four poses", "list at least 4 points, better 8, far apart and not all on one plane"});
     for (const auto& point : points) {
         const auto& [u, v] = point.pixel;
         if (u >= -0.5 && v >= -0.5 && u < camera.lens.width - 0.5 && v < camera.lens.height - 0.5) continue;
-        refuse(point.where,
+        throw InputError({point.where,
             "pixel " + format_number(u) + ", " + format_number(v) + " lies outside of pictures of " +
                 std::to_string(camera.lens.width) + " x " + std::to_string(camera.lens.height) + " pixels",
-            "", "u runs to the right, v down, from the top left pixel");
+            "", "u runs to the right, v down, from the top left pixel"});
     }
 }
 
@@ -43,8 +39,8 @@ void check_spread(const std::vector<ScenePoint>& points) {
     cv::calcCovarMatrix(positions, covariance, mean, cv::COVAR_NORMAL | cv::COVAR_ROWS, CV_64F);
     cv::eigen(covariance, values);
     if (values.at<double>(1) > 1e-4 * values.at<double>(0)) return;
-    refuse(points.front().where, "the points lie on one line", "the turn of the camera about it stays open",
-        "add points off the line");
+    throw InputError({points.front().where, "the points lie on one line", "the turn of the camera about it stays open",
+        "add points off the line"});
 }
 
 } // namespace
@@ -107,10 +103,10 @@ namespace {
 void check_errors(const PoseEstimate& found, const std::vector<ScenePoint>& points) {
     if (found.rms < hopeless) return;
     const auto worst = std::size_t(std::ranges::max_element(found.distances) - found.distances.begin());
-    refuse(points[worst].where,
+    throw InputError({points[worst].where,
         "no pose fits the points: this one is off by " + format_number(std::round(found.distances[worst])) +
             " pixels, all by " + format_number(std::round(found.rms)) + " on average",
-        "points are mixed up, or their unit or the camera is another one", "draw the points on the picture and look");
+        "points are mixed up, or their unit or the camera is another one", "draw the points on the picture and look"});
 }
 
 } // namespace

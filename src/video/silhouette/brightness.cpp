@@ -1,5 +1,7 @@
 #include "video/silhouette/brightness.hpp"
 
+#include "base/median.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,12 +16,6 @@ constexpr std::size_t least = 150; // pixels in a band
 constexpr int clipped = 251;
 
 using Curve = std::array<float, 256>; // background's level over that of the frame
-
-double median(std::vector<float>& values) {
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
 
 struct Knot {
     double level, ratio; // of the frame; background over frame
@@ -67,7 +63,7 @@ MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean
         for (std::size_t b = 0; b < bands; ++b) {
             if (ratios[b].size() < least) continue;
             gains.insert(gains.end(), ratios[b].begin(), ratios[b].end());
-            knots.push_back({median(levels[b]), median(ratios[b])});
+            knots.push_back({upper_median(levels[b]), upper_median(ratios[b])});
         }
         const auto curve = curve_of(knots);
         for (std::size_t i = c; i < matched.image.pixels.size(); i += 3) {
@@ -78,7 +74,7 @@ MatchedFrame match_brightness(const Image& frame, const std::vector<float>& mean
             matched.image.pixels[i] = std::uint8_t(std::lround(std::clamp(level, 0.0F, 255.0F)));
         }
     }
-    if (!gains.empty()) matched.gain = 1 / median(gains);
+    if (!gains.empty()) matched.gain = 1 / upper_median(gains);
     return matched;
 }
 

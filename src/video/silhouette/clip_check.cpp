@@ -1,5 +1,6 @@
 #include "video/silhouette/clip_check.hpp"
 
+#include "base/median.hpp"
 #include "base/text/error.hpp"
 #include "base/text/text.hpp"
 #include "video/clip/usable_clip.hpp"
@@ -16,7 +17,7 @@
 namespace treacle::video {
 
 namespace {
-constexpr float block_difference = 7; // [grey levels of 255], of blocks of 4 x 4 pixels
+constexpr float changed_block = 7; // [grey levels of 255], of blocks of 4 x 4 pixels
 constexpr int least_blocks = 4;
 
 std::string text_of(double value, int digits) {
@@ -32,13 +33,6 @@ cv::Mat blocks_of(const Image& image) {
     return small;
 }
 
-double median(std::vector<float> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
-
 // Noise by the difference of two frames at rest.
 double noise_of(const Image& a, const Image& b) {
     std::vector<float> sizes;
@@ -46,7 +40,7 @@ double noise_of(const Image& a, const Image& b) {
         sizes.push_back(std::abs(float(a.pixels[i]) - float(b.pixels[i])));
     // The median of whole numbers is coarse: the mean of a normal distribution's sizes is 0.798 of its deviation.
     double sum = 0;
-    const double cut = 6 * std::max(1.0, median(sizes));
+    const double cut = 6 * std::max(1.0, upper_median(sizes));
     std::size_t count = 0;
     for (const float size : sizes)
         if (size <= cut) sum += size, ++count;
@@ -89,7 +83,7 @@ struct Survey {
         gains.push_back(matched.gain);
         check.brightness_low = std::min(check.brightness_low, matched.gain);
         check.brightness_high = std::max(check.brightness_high, matched.gain);
-        const int changed = cv::countNonZero(cv::abs(blocks_of(matched.image) - first_blocks) > block_difference);
+        const int changed = cv::countNonZero(cv::abs(blocks_of(matched.image) - first_blocks) > changed_block);
         if (changed >= least_blocks && !check.first_change) check.first_change = frame.index;
         if (changed <= most_blocks) return;
         most_blocks = changed;

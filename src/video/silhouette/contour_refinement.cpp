@@ -1,5 +1,6 @@
 #include "video/silhouette/contour_refinement.hpp"
 
+#include "base/median.hpp"
 #include "video/film/film_look.hpp"
 #include "video/mask/pixels.hpp"
 
@@ -183,13 +184,6 @@ LiquidFractions solve_fractions(const Levels& levels, const cv::Mat& liquid, dou
     return fractions;
 }
 
-double median(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
-
 // Blur spreads as heat does: after sigma^2 / 2 a bent contour has moved by sigma^2 / 2 times its curvature. Takes that
 // back by one step of the part along the contour, curvature times gradient; the part across it leaves half height alone.
 void straighten(cv::Mat& fraction, double width) {
@@ -225,7 +219,7 @@ double width_of(const LiquidFractions& fractions) {
             steep.push_back(std::hypot(u, v));
         }
     if (steep.size() < 20) return 0;
-    return std::clamp(0.39894 / std::max(1e-3, median(steep)), 0.5, 12.0);
+    return std::clamp(0.39894 / std::max(1e-3, upper_median(steep)), 0.5, 12.0);
 }
 
 cv::Rect box_of(const cv::Mat& liquid, int margin) {
@@ -356,7 +350,7 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
             for (int c = 0; c < 3; ++c)
                 if (e[c] > 1e-3F) gains[c].push_back(b[c] / e[c]);
         }
-    const cv::Vec3f gain(float(median(gains[0])), float(median(gains[1])), float(median(gains[2])));
+    const cv::Vec3f gain(float(upper_median(gains[0])), float(upper_median(gains[1])), float(upper_median(gains[2])));
     const auto clearness = [&](int y, int x) {
         return float(cv::norm(solved.levels.light.at<cv::Vec3f>(y, x) - solved.empty.at<cv::Vec3f>(y, x).mul(gain)));
     };
@@ -364,7 +358,7 @@ void measure_contrast(const Solved& solved, RefinedContour& refined) {
         for (int x = 0; x < solved.liquid.cols; ++x)
             if (solved.liquid.at<std::uint8_t>(y, x) != 0) clear.push_back(clearness(y, x));
     auto sorted = clear;
-    refined.contrast = median(sorted);
+    refined.contrast = upper_median(sorted);
     for (const float value : clear) refined.faint += value < refined.contrast / 3 ? 1 : 0;
 }
 } // namespace

@@ -1,5 +1,6 @@
 #include "video/silhouette/registration.hpp"
 
+#include "base/median.hpp"
 #include "video/mask/pixels.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ constexpr double least_information =
 
 constexpr double least_change = 8; // of a point, or what it changes by in one pixel [grey levels of 255]
 
-cv::Mat grey_of(const Image& image) {
+cv::Mat smooth_grey_of(const Image& image) {
     cv::Mat grey;
     cv::cvtColor(pixels_of(image), grey, cv::COLOR_RGB2GRAY);
     grey.convertTo(grey, CV_32F);
@@ -35,12 +36,6 @@ float sample(const cv::Mat& grey, double x, double y) {
     return (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
 }
 
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
 } // namespace
 
 double FrameShift::largest(int width, int height) const {
@@ -50,7 +45,7 @@ double FrameShift::largest(int width, int height) const {
 Registration::Registration(const Image& reference, const std::vector<unsigned char>& usable)
     : width_(reference.width), height_(reference.height) {
     cv::setNumThreads(1);
-    const cv::Mat grey = grey_of(reference);
+    const cv::Mat grey = smooth_grey_of(reference);
     std::vector<Point> found;
     const auto in_cell =
         std::max<std::size_t>(4, most_points / (std::size_t(width_ / cell + 1) * std::size_t(height_ / cell + 1)));
@@ -88,7 +83,7 @@ FrameShift Registration::find(const Image& frame, const FrameShift& start) const
     FrameShift shift = start;
     shift.known = possible_;
     if (!possible_) return shift;
-    const cv::Mat grey = grey_of(frame);
+    const cv::Mat grey = smooth_grey_of(frame);
     const double cx = (width_ - 1) / 2.0, cy = (height_ - 1) / 2.0;
     std::vector<double> residuals(points_.size());
     std::vector<double> ratios;
@@ -103,7 +98,7 @@ FrameShift Registration::find(const Image& frame, const FrameShift& start) const
             seen[i] = sample(grey, x, y);
             if (points_[i].level > 8) ratios.push_back(double(seen[i]) / double(points_[i].level));
         }
-        shift.gain = ratios.empty() ? 1 : median(ratios);
+        shift.gain = ratios.empty() ? 1 : upper_median(ratios);
         if (!(shift.gain > 0)) shift.gain = 1;
         std::vector<double> sizes;
         for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -111,7 +106,7 @@ FrameShift Registration::find(const Image& frame, const FrameShift& start) const
             if (seen[i] >= 0) sizes.push_back(std::abs(residuals[i]));
         }
         // Tukey's constant times the robust standard deviation.
-        const double cut = 4.685 * std::max(1.0, 1.4826 * median(sizes));
+        const double cut = 4.685 * std::max(1.0, 1.4826 * upper_median(sizes));
         cv::Matx33d normal = cv::Matx33d::zeros();
         cv::Vec3d right(0, 0, 0);
         std::size_t outside = 0, counted = 0;
