@@ -119,8 +119,7 @@ Extrapolation extrapolate(std::span<const Rung> rungs, const RungNoise& noise) {
         noises += model.evidence * model.noise * model.noise;
     }
     out.value = sorted.front().value + out.correction;
-    out.deviation = std::max(std::sqrt(std::max(0.0, square - out.correction * out.correction)),
-        noise.change / (std::pow(finest, -out.order) - 1)); // (RX1a)
+    out.deviation = std::sqrt(std::max(0.0, square - out.correction * out.correction));
     out.noise = noise.deviation > 0
                     ? std::min(out.deviation, std::sqrt(noises / sorted.front().runs) * std::pow(finest, noise_order))
                     : 0;

@@ -27,8 +27,6 @@ struct RungNoise {
     // 0: none.
     double deviation = 0;
     int freedom = 4; // degrees of freedom that it was measured with
-    double change =
-        0; // of a value from the coarsest rung to the finest, a sum whose parts may cancel: root of their squares' sum; 0: not known
 };
 
 // (RX1) value(h) = value + a (h / coarsest)^p (1 + 0.1 e) + n (h / coarsest)^1.5, with e of unit variance and the noise
@@ -36,8 +34,7 @@ struct RungNoise {
 // L)^1/2 together; in 3D by less. The value and its variance are means over p of 0.5 to 2 (1.1 +- 0.3 without the
 // rungs), over sizes of a from 0.3 % to 100 % and over what the noise may be by its degrees of freedom, each with the
 // probability that the rungs give it (Bayesian average of models; the value itself has an even prior). Values are
-// logarithms, so that a is relative. The
-// deviation is (RX1a) at least change / ((coarsest / finest)^p - 1). Throws InputError for fewer than two rungs, two of one spacing, or a spacing that
+// logarithms, so that a is relative. Throws InputError for fewer than two rungs, two of one spacing, or a spacing that
 // is not positive.
 Extrapolation extrapolate(std::span<const Rung> rungs, const RungNoise& noise);
 

@@ -93,8 +93,7 @@ void climb_rungs(
     }
     if (finer.empty()) return;
     take_fit(estimate(trials.good(), priors, finer, range_prior(file)), *out.estimate);
-    auto resolved =
-        extrapolate_answers(answers, {out.estimate->covariance, out.noise, noise.freedom, out.estimate->changes});
+    auto resolved = extrapolate_answers(answers, out.estimate->covariance, out.noise, noise.freedom);
     if (file.search.answer == Answer::finest) {
         resolved.value = answers.back().value;
         resolved.resolution.setZero();

@@ -51,8 +51,8 @@ std::vector<search::Point> points_to_span(
     return out;
 }
 
-ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const AnswerScatter& known) {
-    const auto& [covariance, noise, freedom, changes] = known;
+ResolvedAnswer extrapolate_answers(
+    const std::vector<ResolutionAnswer>& answers, const Matrix& covariance, const Matrix& noise, int freedom) {
     const auto p = answers.front().value.size();
     const Matrix turn = p == 1 ? Matrix(Matrix::Identity(1, 1))
                                : Matrix(Eigen::SelfAdjointEigenSolver<Matrix>(covariance).eigenvectors());
@@ -64,9 +64,8 @@ ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers,
         std::vector<search::Rung> rungs;
         rungs.reserve(answers.size());
         for (const auto& answer : answers) rungs.push_back({answer.spacing, way.dot(answer.value), answer.runs});
-        const double change = changes.size() > 0 ? std::sqrt(way.dot(changes * way)) : 0;
         out.axes.push_back(
-            search::extrapolate(rungs, {std::sqrt(way.dot(spread * way)), int(p) * std::max(1, freedom), change}));
+            search::extrapolate(rungs, {std::sqrt(way.dot(spread * way)), int(p) * std::max(1, freedom)}));
         const auto& one = out.axes.back();
         value[k] = one.value;
         scatter[k] = one.noise * one.noise;

@@ -28,19 +28,13 @@ struct ResolvedAnswer {
     std::vector<search::Extrapolation> axes; // [p] along the principal axes
 };
 
-// Scatter of an answer.
-struct AnswerScatter {
-    Eigen::MatrixXd covariance; // [p][p] of the fit at the finest spacing
-    Eigen::MatrixXd noise;      // [p][p] of the coarsest spacing's answer by the numerical noise of one run
-    int freedom = 1;            // degrees of freedom that the noise is known with
-    Eigen::MatrixXd changes;    // (I6a) [p][p] of the change from the coarsest to the finest spacing; empty: not known
-};
-
 // (I6) Extrapolates answers along the principal axes of their covariance, by which they are independent: parameters
-// that trade with each other move together from rung to rung, and apart each would scatter widely. The noise is
-// taken as a multiple of the fit's covariance, tr(covariance^-1 noise) / p, since a few runs span fewer directions than
-// there are parameters. One parameter is itself.
-ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const AnswerScatter& known);
+// that trade with each other move together from rung to rung, and apart each would scatter widely. noise: covariance of
+// the coarsest rung's answer by the numerical noise of one run, measured with `freedom` degrees of freedom: taken as a
+// multiple of the fit's covariance, tr(covariance^-1 noise) / p, since a few runs span fewer directions than there are
+// parameters. One parameter is itself.
+ResolvedAnswer extrapolate_answers(const std::vector<ResolutionAnswer>& answers, const Eigen::MatrixXd& covariance,
+    const Eigen::MatrixXd& noise, int freedom);
 
 // Parameters that trade with each other, by the covariance of their coordinates: a sentence for each pair that does. Empty for one parameter.
 std::vector<std::string> trades(const std::vector<std::string>& names, const Eigen::MatrixXd& covariance);

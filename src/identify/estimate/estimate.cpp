@@ -244,7 +244,6 @@ public:
         find_blocks();
         const Fit spread = p_ == 1 ? dilute_one() : dilute_several();
         tell_variance({spread, g_, information_, block_changes({spread, g_, blocks_}, information_)});
-        if (!given_.finer.empty()) out_.changes = scatter_of_change({spread, g_, blocks_}, model_.value - coarse_, p_);
         tell_fit();
         if (p_ == 1) tell_drifts();
         return out_;
@@ -256,7 +255,6 @@ private:
         const auto& range = given_.range;
         for (int round = 0; round < 12; ++round) {
             model_ = local_model(given_.runs, layout_, out_.point);
-            coarse_ = model_.value;
             for (const auto& rung : given_.finer) correct(model_, rung, layout_, out_.point);
             g_ << model_.gradient, views_;
             Vector pull = Vector::Zero(g_.cols());
@@ -343,7 +341,6 @@ private:
     Vector size_;
     Matrix views_, information_, g_;
     LocalModel model_;
-    Vector coarse_; // the model's values before those of finer runs
     Fit result_;
     std::vector<int> blocks_;
     std::vector<double> dilution_; // per experiment

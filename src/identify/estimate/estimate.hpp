@@ -75,7 +75,6 @@ struct Estimate {
     Eigen::VectorXd point;            // [p]
     std::vector<VarianceParts> parts; // [p] of its variance
     Eigen::MatrixXd covariance;       // [p][p] of pixels, views and ranges
-    Eigen::MatrixXd changes; // (I6a) [p][p] of the change from the runs to the last of the finer ones; empty without
     std::vector<double>
         naive; // (I5b) [p] standard deviation if points of the contour were independent and the view known: far too small, to compare with
     std::vector<double> freedom;       // [p] degrees of freedom of the part of the pixels: few with few blocks

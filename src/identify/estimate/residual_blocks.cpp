@@ -114,15 +114,6 @@ Matrix block_changes(const BlockedFit& blocked, const Matrix& information) {
     return out * (count > 1 ? std::sqrt(double(count - 1) / double(count)) : 1.0);
 }
 
-Matrix scatter_of_change(const BlockedFit& blocked, const Vector& change, Eigen::Index p) {
-    const auto& [fit, g, block_of] = blocked;
-    const Vector common = fit.inverse * (g.transpose() * fit.weights.cwiseProduct(change)), apart = change - g * common;
-    const Matrix moves = fit.weights.cwiseProduct(apart).asDiagonal() * (g * fit.inverse.leftCols(p));
-    Matrix by_block = Matrix::Zero(*std::ranges::max_element(block_of) + 1, p);
-    for (Eigen::Index i = 0; i < moves.rows(); ++i) by_block.row(block_of[std::size_t(i)]) += moves.row(i);
-    return by_block.transpose() * by_block;
-}
-
 namespace {
 
 // Largest ratio in row e, at least 1; columns without a variance do not count.

@@ -19,9 +19,6 @@ struct BlockedFit {
 };
 // (I4) Change of the parameters by leaving out each block, [blocks][parameters]: (A - A_b)^-1 G_b^T W_b r_b.
 Matrix block_changes(const BlockedFit& blocked, const Matrix& information);
-// (I6a) Scatter between blocks of a change of the parameters, where each row's displacement changes by d [rows]: sum over
-// blocks of u_b u_b^T, u_b = A^-1 G_b^T W_b (d - G x)_b, x = A^-1 G^T W d what changes in common. [p][p] of the first p parameters.
-Matrix scatter_of_change(const BlockedFit& blocked, const Vector& change, Eigen::Index p);
 // Variance of the parameters by the blocks of each experiment over that by its independent segments, the largest, at least 1.
 std::vector<double> inflation(const BlockedFit& blocked, const Matrix& changes, const Layout& layout, Eigen::Index p);
 

@@ -40,7 +40,7 @@ TEST(ExtrapolateAnswers, TheWellKnownCombinationIsNotSpoiltByTheOther) {
     for (std::size_t i = 0; i < 3; ++i)
         answers.push_back({spacings[i], 1, (1 + 0.02 * spacings[i]) * well + wild[i] * ill});
     const Matrix covariance = 1e-6 * well * well.transpose() + 0.2 * ill * ill.transpose();
-    const auto found = extrapolate_answers(answers, {covariance, covariance, 4, {}});
+    const auto found = extrapolate_answers(answers, covariance, covariance, 4);
     EXPECT_NEAR(well.dot(found.value), 1, 0.01);
     EXPECT_LT(well.dot(found.resolution * well), 0.03 * 0.03);
     EXPECT_GT(ill.dot((found.resolution + found.noise) * ill), 0.1 * 0.1);

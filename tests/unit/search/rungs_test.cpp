@@ -86,15 +86,6 @@ TEST(Rungs, TheDeviationIsHonest) {
     EXPECT_LT(std::sqrt(deviations), 3 * std::sqrt(squares));
 }
 
-TEST(Rungs, PartsThatCancelWiden) {
-    const auto rungs = series(2.3, 0, 1, {1, 1.4, 2});
-    const auto calm = extrapolate(rungs, {0.001, 4}), torn = extrapolate(rungs, {0.001, 4, 0.02});
-    EXPECT_EQ(torn.value, calm.value);
-    EXPECT_LT(calm.deviation, 0.003);
-    EXPECT_NEAR(torn.deviation, 0.02 / (std::pow(2, torn.order) - 1), 1e-12);
-    EXPECT_EQ(extrapolate(rungs, {0.02, 4, 1e-6}).deviation, extrapolate(rungs, {0.02, 4}).deviation);
-}
-
 TEST(Rungs, RefusesWhatShowsNothing) {
     EXPECT_THROW(extrapolate(series(1, 1, 1, {1}), {}), InputError);
     EXPECT_THROW(extrapolate(series(1, 1, 1, {1, 1, 2}), {}), InputError);
