@@ -14,6 +14,7 @@ std::int64_t seeded_ids(const MacGrid& grid) { return (grid.dimensions == 2 ? 4 
 
 namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int spread_layers = 4; // at a flat face that cuts sub-cells
 
 // A counter-based random number in [-1, 1): the finaliser of SplitMix64 (Steele, Lea and Flood 2014) of a key.
 double random_number(std::uint64_t key) {
@@ -32,9 +33,21 @@ struct Seed {
 
 // One of the equal parts of a cell that hold a particle each where all is liquid.
 struct SubCell {
-    Vec3 middle{0, 0, 0}, half{0, 0, 0}; // [m] half: of its sides, 0 along an axis that there is not
-    Vec3 position{0, 0, 0};              // [m] at random around the middle
-    double threshold = 0;                // in (0, 1): it holds a particle if more of it than that is liquid
+    Vec3 middle{0, 0, 0}, half{0, 0, 0};        // [m] half: of its sides, 0 along an axis that there is not
+    Vec3 position{0, 0, 0};                     // [m] at random around the middle
+    std::array<std::int64_t, 3> index{0, 0, 0}; // in the lattice of all
+    double threshold = 0;                       // in (0, 1): it holds a particle if more of it than that is liquid
+
+    double width(std::size_t axis) const { return 2 * half[axis]; }
+    SubCell shifted(std::size_t axis, int by) const;
+};
+
+// A flat face of a liquid across an axis, ahead of a sub-cell's middle.
+struct FlatFace {
+    double distance = infinity; // [m] of the middle, negative behind the face
+    int side = 1;               // of the middle along the axis, 1 or -1
+
+    bool found() const { return distance < infinity; }
 };
 
 // Liquid of sub-cells, and positions of particles in it.
@@ -61,6 +74,9 @@ public:
     // liquid and out of solids. None where there is no room.
     std::optional<Vec3> position_in(const SubCell& sub_cell, int liquid) const {
         Vec3 x = sub_cell.position;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k) x[k] += spread(sub_cell, liquid, k);
+        if (outside(x, liquid, clearance_) < 0) return x;
+        x = sub_cell.position;
         if (outside(x, liquid, clearance_) < 0) return x;
         for (int s = 0; s < parts(); ++s) {
             const Vec3 middle = part_middle(sub_cell, s);
@@ -89,6 +105,40 @@ private:
         double out = std::max(to_liquid(liquid, x), clearance - to_solids(x));
         for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
         return out;
+    }
+    // The face across an axis within `reach` [m] of the sub-cell's middle on one side; none where the surface is not flat there.
+    FlatFace face_at(const SubCell& sub_cell, int liquid, std::size_t axis, int side, double reach) const {
+        const auto at = [&](double distance) {
+            Vec3 x = sub_cell.middle;
+            x[axis] += side * distance;
+            return outside(x, liquid, 0);
+        };
+        double inner = -sub_cell.half[axis], outer = reach;
+        if (at(0) < -reach || at(inner) >= 0 || at(outer) <= 0) return {};
+        constexpr int halvings = 40;
+        for (int i = 0; i < halvings; ++i) (at(0.5 * (inner + outer)) < 0 ? inner : outer) = 0.5 * (inner + outer);
+        const double near = 1e-3 * sub_cell.half[axis];
+        const bool flat = at(inner + near) - at(inner - near) > 1.999 * near;
+        return flat ? FlatFace{inner, side} : FlatFace{};
+    }
+    // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
+    // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
+    double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
+        const double width = sub_cell.width(axis), reach = (2 * spread_layers + 2) * width;
+        const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, reach),
+                       behind = face_at(sub_cell, liquid, axis, -1, reach);
+        const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;
+        if (!face.found()) return 0;
+        const double thickness = (ahead.distance + behind.distance) / width;
+        const int layers = std::min(spread_layers, int(std::min(thickness, 1e3) / 2) - 1);
+        constexpr double round_off = 1e-6;
+        const double beyond = face.distance / width - 0.5; // layers, -1/2 to 0 where the face cuts this sub-cell
+        const int cut = int(std::floor(beyond + round_off)) + 1;
+        const double filled = beyond + 1 - cut;
+        if (filled < round_off || layers < 1 || cut > layers) return 0;
+        const bool held = liquid_of(sub_cell.shifted(axis, face.side * cut)) == liquid;
+        const double spacing = (layers + filled) / (layers + (held ? 1 : 0));
+        return face.side * (face.distance - width * spacing * (cut - (held ? 0 : 1) + 0.5));
     }
     void step_inward(const SubCell& sub_cell, int liquid, Vec3& x) const {
         const double step = 1e-3 * sub_cell.half[0], here = outside(x, liquid, clearance_);
@@ -131,9 +181,17 @@ double dither_threshold(const std::array<std::int64_t, 3>& index) {
     return sum - std::floor(sum);
 }
 
+SubCell SubCell::shifted(std::size_t axis, int by) const {
+    SubCell out = *this;
+    out.index[axis] += by;
+    out.middle[axis] += by * width(axis);
+    out.position[axis] += by * width(axis);
+    out.threshold = dither_threshold(out.index);
+    return out;
+}
+
 SubCell sub_cell_of(const Seeding& seeding, const MacGrid& grid, const int c[3], int s, std::uint64_t number) {
     SubCell out;
-    std::array<std::int64_t, 3> index{0, 0, 0};
     for (int k = 0; k < grid.dimensions; ++k) {
         const auto axis = static_cast<std::size_t>(k);
         const int side = s >> k & 1;
@@ -141,9 +199,9 @@ SubCell sub_cell_of(const Seeding& seeding, const MacGrid& grid, const int c[3],
         out.middle[axis] = grid.lower[k] + grid.dx * (c[k] + 0.25 + 0.5 * side);
         out.position[axis] = out.middle[axis] +
                              0.5 * grid.dx * seeding.jitter * random_number(3 * number + static_cast<std::uint64_t>(k));
-        index[axis] = 2 * std::int64_t(c[k]) + side;
+        out.index[axis] = 2 * std::int64_t(c[k]) + side;
     }
-    out.threshold = dither_threshold(index);
+    out.threshold = dither_threshold(out.index);
     return out;
 }
 
