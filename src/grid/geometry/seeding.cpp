@@ -106,17 +106,17 @@ private:
         for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
         return out;
     }
-    // The face across an axis within `reach` [m] of the sub-cell's middle on one side; none where the surface is not flat there.
-    FlatFace face_at(const SubCell& sub_cell, int liquid, std::size_t axis, int side, double reach) const {
+    // The face across an axis within `cutoff` [m] of the sub-cell's middle on one side; none where the surface is not flat there.
+    FlatFace face_at(const SubCell& sub_cell, int liquid, std::size_t axis, int side, double cutoff) const {
         const auto at = [&](double distance) {
             Vec3 x = sub_cell.middle;
             x[axis] += side * distance;
             return outside(x, liquid, 0);
         };
-        double inner = -sub_cell.half[axis], outer = reach;
-        if (at(0) < -reach || at(inner) >= 0 || at(outer) <= 0) return {};
-        constexpr int halvings = 40;
-        for (int i = 0; i < halvings; ++i) (at(0.5 * (inner + outer)) < 0 ? inner : outer) = 0.5 * (inner + outer);
+        double inner = -sub_cell.half[axis], outer = cutoff;
+        if (at(0) < -cutoff || at(inner) >= 0 || at(outer) <= 0) return {};
+        constexpr int bisections = 40;
+        for (int i = 0; i < bisections; ++i) (at(0.5 * (inner + outer)) < 0 ? inner : outer) = 0.5 * (inner + outer);
         const double near = 1e-3 * sub_cell.half[axis];
         const bool flat = at(inner + near) - at(inner - near) > 1.999 * near;
         return flat ? FlatFace{inner, side} : FlatFace{};
@@ -124,9 +124,9 @@ private:
     // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
     // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
     double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
-        const double width = sub_cell.width(axis), reach = (2 * spread_layers + 2) * width;
-        const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, reach),
-                       behind = face_at(sub_cell, liquid, axis, -1, reach);
+        const double width = sub_cell.width(axis), cutoff = (2 * spread_layers + 2) * width;
+        const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
+                       behind = face_at(sub_cell, liquid, axis, -1, cutoff);
         const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;
         if (!face.found()) return 0;
         const double thickness = (ahead.distance + behind.distance) / width;
@@ -136,9 +136,9 @@ private:
         const int cut = int(std::floor(beyond + round_off)) + 1;
         const double filled = beyond + 1 - cut;
         if (filled < round_off || layers < 1 || cut > layers) return 0;
-        const bool held = liquid_of(sub_cell.shifted(axis, face.side * cut)) == liquid;
-        const double spacing = (layers + filled) / (layers + (held ? 1 : 0));
-        return face.side * (face.distance - width * spacing * (cut - (held ? 0 : 1) + 0.5));
+        const bool occupied = liquid_of(sub_cell.shifted(axis, face.side * cut)) == liquid;
+        const double spacing = (layers + filled) / (layers + (occupied ? 1 : 0));
+        return face.side * (face.distance - width * spacing * (cut - (occupied ? 0 : 1) + 0.5));
     }
     void step_inward(const SubCell& sub_cell, int liquid, Vec3& x) const {
         const double step = 1e-3 * sub_cell.half[0], here = outside(x, liquid, clearance_);
