@@ -106,25 +106,28 @@ private:
         for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
         return out;
     }
-    // The face across an axis within `cutoff` [m] of the sub-cell's middle on one side; none where the surface is not flat there.
+    // The face across an axis within `cutoff` [m] of the sub-cell's middle on one side, by steps as long as the distance to the surface; none
+    // where that is not flat, or oblique.
     FlatFace face_at(const SubCell& sub_cell, int liquid, std::size_t axis, int side, double cutoff) const {
         const auto at = [&](double distance) {
             Vec3 x = sub_cell.middle;
             x[axis] += side * distance;
             return outside(x, liquid, 0);
         };
-        double inner = -sub_cell.half[axis], outer = cutoff;
-        if (at(0) < -cutoff || at(inner) >= 0 || at(outer) <= 0) return {};
-        constexpr int bisections = 40;
-        for (int i = 0; i < bisections; ++i) (at(0.5 * (inner + outer)) < 0 ? inner : outer) = 0.5 * (inner + outer);
+        constexpr int most = 8; // steps; one is enough but where another face is nearer
         const double near = 1e-3 * sub_cell.half[axis];
-        const bool flat = at(inner + near) - at(inner - near) > 1.999 * near;
-        return flat ? FlatFace{inner, side} : FlatFace{};
+        double distance = 0, remaining = at(0);
+        for (int i = 0; i < most && std::abs(remaining) > 1e-3 * near && distance < cutoff; ++i)
+            remaining = at(distance -= remaining);
+        if (std::abs(remaining) > 1e-3 * near || distance > cutoff || distance < -sub_cell.half[axis]) return {};
+        const bool flat = at(distance + near) - at(distance - near) > 1.999 * near;
+        return flat ? FlatFace{distance, side} : FlatFace{};
     }
     // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
     // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
     double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
         const double width = sub_cell.width(axis), cutoff = (2 * spread_layers + 2) * width;
+        if (outside(sub_cell.middle, liquid, 0) < -cutoff) return 0;
         const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
                        behind = face_at(sub_cell, liquid, axis, -1, cutoff);
         const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;

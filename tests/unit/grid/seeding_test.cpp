@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+
 namespace treacle::grid {
 namespace {
 using test::ball;
@@ -42,6 +45,36 @@ TEST(Seeding, ABlockHasItsVolumeAtAnySpacing) {
         EXPECT_NEAR(volume / (0.06 * 0.04 * 0.05), 1, 0.003) << dx;
         const double area = volumes(test::make_domain(2, {0.09, 0.06, 0}, dx), {{box(min, max, 2)}})[0] / dx;
         EXPECT_NEAR(area / (0.06 * 0.04), 1, 0.75 * dx * dx / (0.06 * 0.04)) << dx; // three particles
+    }
+}
+
+// Holes in the outer layer of parts of cells do not leave a face rough: depths of the outermost particles of columns, and of those
+// after them, by the width of a part.
+TEST(Seeding, FlatFacesAreSmoothAtAnySpacing) {
+    for (int k = 0; k < 12; ++k) {
+        const double dx = 0.0035 + 0.00012 * k, top = 0.05, width = 0.5 * dx;
+        const MacGrid grid = make_mac_grid(test::make_domain(3, {0.09, 0.06, 0.08}, dx));
+        GridParticles particles;
+        Seeding seeding;
+        seeding.liquids = {{box({0, 0, 0}, {0.06, 0.04, top}, 3)}};
+        seed(seeding, grid, Decomposition(Comm::self(), grid.cells), particles);
+        const auto x = on_host(particles.position());
+        const auto id = on_host(particles.id());
+        std::map<std::array<int, 2>, std::vector<double>> columns;
+        for (int i = 0; i < particles.store.owned(); ++i) {
+            const auto row = static_cast<std::size_t>(i);
+            const int part = int(id(row) % 8), cell = int(id(row) / 8), line = cell / grid.cells.count[0];
+            const std::array column{
+                2 * (cell % grid.cells.count[0]) + part % 2, 2 * (line % grid.cells.count[1]) + part / 2 % 2};
+            const bool full = grid.lower[0] + (column[0] + 1) * width < 0.06 + 1e-9 &&
+                              grid.lower[1] + (column[1] + 1) * width < 0.04 + 1e-9;
+            if (full) columns[column].push_back((top - x(row, 2)) / width);
+        }
+        for (auto& [column, depths] : columns) {
+            std::ranges::sort(depths);
+            EXPECT_LT(depths[0], 0.9) << dx; // 1.7 where a hole is not spread
+            EXPECT_GT(depths[1], 0.8) << dx;
+        }
     }
 }
 
