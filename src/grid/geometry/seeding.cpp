@@ -54,7 +54,10 @@ struct FlatFace {
 class SubCellFilling {
 public:
     SubCellFilling(const Seeding& seeding, const MacGrid& grid)
-        : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {}
+        : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {
+        for (const auto& liquid : seeding.liquids)
+            spread_.push_back(std::ranges::all_of(liquid, [](const auto& region) { return region.meshes().empty(); }));
+    }
 
     // The liquid whose particle the sub-cell holds, or -1: over many sub-cells as often as that liquid fills of them.
     int liquid_of(const SubCell& sub_cell) const {
@@ -126,13 +129,14 @@ private:
     // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
     // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
     double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
-        const double width = sub_cell.width(axis), cutoff = (2 * spread_layers + 2) * width;
-        if (outside(sub_cell.middle, liquid, 0) < -cutoff) return 0;
+        const double width = sub_cell.width(axis), cutoff = (spread_layers + 1) * width;
+        if (!spread_[static_cast<std::size_t>(liquid)] || outside(sub_cell.middle, liquid, 0) < -cutoff) return 0;
         const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
                        behind = face_at(sub_cell, liquid, axis, -1, cutoff);
         const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;
         if (!face.found()) return 0;
-        const double thickness = (ahead.distance + behind.distance) / width;
+        const FlatFace opposite = face_at(sub_cell, liquid, axis, -face.side, 2 * cutoff);
+        const double thickness = (face.distance + opposite.distance) / width;
         const int layers = std::min(spread_layers, int(std::min(thickness, 1e3) / 2) - 1);
         constexpr double round_off = 1e-6;
         const double beyond = face.distance / width - 0.5; // layers, -1/2 to 0 where the face cuts this sub-cell
@@ -172,6 +176,7 @@ private:
     const Seeding& seeding_;
     int dimensions_;
     double clearance_;
+    std::vector<bool> spread_; // per liquid: not of meshes, whose distances take long
 };
 
 // A sub-cell's threshold in (0, 1), by its index in the lattice of all: evenly spread along any axis and in any plane across one, since no
