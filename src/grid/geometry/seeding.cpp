@@ -105,7 +105,10 @@ private:
     }
     // Signed distance [m] to where a liquid is and solids are a clearance away, negative in there. Surfaces may coincide.
     double outside(const Vec3& x, int liquid, double clearance) const {
-        double out = std::max(to_liquid(liquid, x), clearance - to_solids(x));
+        return std::max(outside_liquid(x, liquid), clearance - to_solids(x));
+    }
+    double outside_liquid(const Vec3& x, int liquid) const {
+        double out = to_liquid(liquid, x);
         for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
         return out;
     }
@@ -115,7 +118,7 @@ private:
         const auto at = [&](double distance) {
             Vec3 x = sub_cell.middle;
             x[axis] += side * distance;
-            return outside(x, liquid, 0);
+            return outside_liquid(x, liquid);
         };
         constexpr int most = 8; // steps; one is enough but where another face is nearer
         const double near = 1e-3 * sub_cell.half[axis];
@@ -123,14 +126,14 @@ private:
         for (int i = 0; i < most && std::abs(remaining) > 1e-3 * near && distance < cutoff; ++i)
             remaining = at(distance -= remaining);
         if (std::abs(remaining) > 1e-3 * near || distance > cutoff || distance < -sub_cell.half[axis]) return {};
-        const bool flat = at(distance + near) - at(distance - near) > 1.999 * near;
+        const bool flat = at(distance + near) - at(distance - near) > (2 - 1e-6) * near;
         return flat ? FlatFace{distance, side} : FlatFace{};
     }
     // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
     // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
     double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
         const double width = sub_cell.width(axis), cutoff = (spread_layers + 1) * width;
-        if (!spread_[static_cast<std::size_t>(liquid)] || outside(sub_cell.middle, liquid, 0) < -cutoff) return 0;
+        if (!spread_[static_cast<std::size_t>(liquid)] || outside_liquid(sub_cell.middle, liquid) < -cutoff) return 0;
         const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
                        behind = face_at(sub_cell, liquid, axis, -1, cutoff);
         const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;
