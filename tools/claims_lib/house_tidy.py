@@ -4,6 +4,7 @@ unit each; sources whose local names collide with those of others in their batch
 import concurrent.futures
 import json
 import os
+import pathlib
 import re
 import shlex
 import subprocess
@@ -27,7 +28,7 @@ def compile_flags(context):
         raise Unmeasured(f"needs {path}: cmake --preset release")
     flags = {}
     for entry in json.loads(path.read_text()):
-        if "/tests/" not in entry["file"]:
+        if "tests" not in pathlib.Path(os.path.relpath(entry["file"], context.root)).parts:
             flags.update(dict.fromkeys(flags_of(shlex.split(entry["command"]), entry["file"])))
     return list(flags)
 

@@ -56,7 +56,8 @@ public:
     SubCellFilling(const Seeding& seeding, const MacGrid& grid)
         : seeding_(seeding), dimensions_(grid.dimensions), clearance_(seeding.clearance * grid.dx) {
         for (const auto& liquid : seeding.liquids)
-            spread_.push_back(std::ranges::all_of(liquid, [](const auto& region) { return region.meshes().empty(); }));
+            without_meshes_.push_back(
+                std::ranges::all_of(liquid, [](const auto& region) { return region.meshes().empty(); }));
     }
 
     // The liquid whose particle the sub-cell holds, or -1: over many sub-cells as often as that liquid fills of them.
@@ -77,9 +78,11 @@ public:
     // liquid and out of solids. None where there is no room.
     std::optional<Vec3> position_in(const SubCell& sub_cell, int liquid) const {
         Vec3 x = sub_cell.position;
-        for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k) x[k] += spread(sub_cell, liquid, k);
-        if (outside(x, liquid, clearance_) < 0) return x;
-        x = sub_cell.position;
+        if (near_surface(sub_cell, liquid)) {
+            for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k) x[k] += spread(sub_cell, liquid, k);
+            if (outside(x, liquid, clearance_) < 0) return x;
+            x = sub_cell.position;
+        }
         if (outside(x, liquid, clearance_) < 0) return x;
         for (int s = 0; s < parts(); ++s) {
             const Vec3 middle = part_middle(sub_cell, s);
@@ -129,11 +132,16 @@ private:
         const bool flat = at(distance + near) - at(distance - near) > (2 - 1e-6) * near;
         return flat ? FlatFace{distance, side} : FlatFace{};
     }
+    // Whether spread() may move the sub-cell's particle.
+    bool near_surface(const SubCell& sub_cell, int liquid) const {
+        return without_meshes_[static_cast<std::size_t>(liquid)] &&
+               outside_liquid(sub_cell.middle, liquid) >= -spread_cutoff(sub_cell.width(0));
+    }
+    static double spread_cutoff(double width) { return (spread_layers + 1) * width; } // [m]
     // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
     // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
     double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
-        const double width = sub_cell.width(axis), cutoff = (spread_layers + 1) * width;
-        if (!spread_[static_cast<std::size_t>(liquid)] || outside_liquid(sub_cell.middle, liquid) < -cutoff) return 0;
+        const double width = sub_cell.width(axis), cutoff = spread_cutoff(width);
         const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
                        behind = face_at(sub_cell, liquid, axis, -1, cutoff);
         const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;
@@ -179,7 +187,7 @@ private:
     const Seeding& seeding_;
     int dimensions_;
     double clearance_;
-    std::vector<bool> spread_; // per liquid: not of meshes, whose distances take long
+    std::vector<bool> without_meshes_; // per liquid: distances from meshes take long
 };
 
 // A sub-cell's threshold in (0, 1), by its index in the lattice of all: evenly spread along any axis and in any plane across one, since no
@@ -196,7 +204,7 @@ SubCell SubCell::shifted(std::size_t axis, int by) const {
     SubCell out = *this;
     out.index[axis] += by;
     out.middle[axis] += by * width(axis);
-    out.position[axis] += by * width(axis);
+    out.position[axis] += by * width(axis); // with the same random part
     out.threshold = dither_threshold(out.index);
     return out;
 }

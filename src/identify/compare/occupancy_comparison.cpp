@@ -1,5 +1,6 @@
 #include "identify/compare/occupancy_comparison.hpp"
 
+#include "base/median.hpp"
 #include "video/mask/contour_distance.hpp"
 
 #include <algorithm>
@@ -83,10 +84,8 @@ double occupancy_noise(const std::vector<OccupancyWindow>& windows, const std::v
     }
     const double least = usual_noise(ExperimentKind::contours);
     if (scatter.empty()) return least;
-    const auto middle = scatter.begin() + std::ptrdiff_t(scatter.size() / 2);
-    std::ranges::nth_element(scatter, middle);
     // The variance of these is 3/2 of a window's, that of a film less a run twice a window's.
-    return std::max(least, 1.4826 * *middle * std::sqrt(2 / 1.5));
+    return std::max(least, 1.4826 * upper_median(scatter) * std::sqrt(2 / 1.5));
 }
 
 void scale_by_noise(FrameComparison& comparison, double noise) {

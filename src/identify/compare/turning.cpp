@@ -1,5 +1,7 @@
 #include "identify/compare/turning.hpp"
 
+#include "base/median.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -49,8 +51,7 @@ double thread_column(const video::Mask& mask) {
     std::vector<int> widths;
     for (auto r = top; r < top + std::max<std::ptrdiff_t>(1, (bottom - top) / 5); ++r)
         widths.push_back(rows[std::size_t(r)].width);
-    std::ranges::nth_element(widths, widths.begin() + std::ptrdiff_t(widths.size() / 2));
-    const double thread = widths[widths.size() / 2];
+    const double thread = upper_median(widths);
     auto heap = top;
     while (heap < bottom && rows[std::size_t(heap)].width <= wide * thread) ++heap;
     const double fall = double(heap - top);

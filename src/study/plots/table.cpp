@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace treacle::study {
@@ -39,12 +38,6 @@ std::string plain(const Parameter& parameter, const std::string& word) {
     const auto number = parameter.number(word);
     return number && !parameter.unit.empty() ? format_number(*number) : word;
 }
-
-std::string rounded(double seconds) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2f", seconds);
-    return text;
-}
 } // namespace
 
 Table table_of(const Study& study, const Journal& journal, std::span<const std::int64_t> runs) {
@@ -75,7 +68,7 @@ Table table_of(const Study& study, const Journal& journal, std::span<const std::
             row.push_back(
                 figure == outcome->figures.end() || !std::isfinite(figure->value) ? "" : format_number(figure->value));
         }
-        row.push_back(outcome ? rounded(outcome->seconds) : "");
+        row.push_back(outcome ? format_fixed(outcome->seconds, 2) : "");
         const auto changes = join(run.changes, "; ");
         row.push_back(outcome && !outcome->reason.empty() ? outcome->reason : changes.empty() ? "" : "with " + changes);
         out.rows.push_back(std::move(row));

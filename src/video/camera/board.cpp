@@ -1,5 +1,6 @@
 #include "video/camera/board.hpp"
 
+#include "base/median.hpp"
 #include "base/text/error.hpp"
 
 #include <algorithm>
@@ -177,8 +178,7 @@ double circle_diameter(const cv::Mat& picture, const Points& points, const Board
             area_within(picture, points[i], nearest / 2) * std::abs(w * w * w / cv::determinant(h)); // [m2]
         diameters.push_back(std::sqrt(std::max(0.0, area) * 4 / std::numbers::pi));
     }
-    std::ranges::nth_element(diameters, diameters.begin() + std::ssize(diameters) / 2);
-    return diameters[diameters.size() / 2];
+    return upper_median(diameters);
 }
 
 bool is_inside(const Points& points, const cv::Mat& picture) {

@@ -1,5 +1,6 @@
 #include "video/clip/frame_source.hpp"
 
+#include "base/median.hpp"
 #include "base/text/error.hpp"
 #include "base/text/text.hpp"
 #include "video/clip/picture_sequence.hpp"
@@ -43,8 +44,7 @@ double ClipInfo::median_interval() const {
     if (stamps.size() < 2) return 0;
     std::vector<double> steps;
     for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(stamps[i] - stamps[i - 1]);
-    std::ranges::nth_element(steps, steps.begin() + std::ssize(steps) / 2);
-    return steps[steps.size() / 2];
+    return upper_median(steps);
 }
 
 bool ClipInfo::variable_rate() const {
