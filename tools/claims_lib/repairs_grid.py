@@ -59,6 +59,24 @@ time: {{end: 0.5}}
 output: {{interval: 0}}
 """
 
+VESSEL = """
+schema_version: 1
+title: A ball of liquid in a free-slip vessel
+domain: {{min: [-0.25, -0.25, -0.25], max: [0.25, 0.25, 0.25], spacing: {spacing}, gravity: [0, 0, 0]}}
+liquids:
+  - name: syrup
+    density: 1000
+    viscosity: {viscosity}
+    subtract_bodies: true
+    {motion}
+    shapes: [{{sphere: {{centre: {centre}, radius: 0.2}}}}]
+bodies:
+  - {{name: vessel, {kind}, slip: free_slip, shape: {{sphere: {{centre: {centre}, radius: 0.2, inverted: true}}}}}}
+method: {{kind: grid}}
+time: {{end: {end}}}
+output: {{interval: 0}}
+"""
+
 HIT = """
 schema_version: 1
 title: A body hits a blob
@@ -137,6 +155,27 @@ def drums(context):
     return Figure(f"liquid at most at {worst:.3f} of the drum's speed" + "".join(f"; {text}" for text in short), not short)
 
 
+def vessels(context):
+    """Spin of liquid that turns at 3 rad/s in a vessel at rest, and of liquid at rest in one that turns at 12.566 rad/s."""
+    cases = itertools.product((1, 1e4, 1e5, 1e6), (0.025, 0.0125), (0, 0.25, 0.5), (1, 2, 3))
+    kept, dragged, short = 1, 0, []
+    for viscosity, spacing, offset, ranks in context.sample(cases, 4, 24):
+        middle = [offset * spacing, 0.6 * offset * spacing, -0.3 * offset * spacing]
+
+        def spins(motion, kind, end):
+            steps, _ = run_text(context, VESSEL.format(spacing=spacing, viscosity=viscosity, centre=middle, motion=motion, kind=kind, end=end), "vessel", ranks)
+            turning = steps["angular momentum z"] - middle[0] * steps["momentum y"] + middle[1] * steps["momentum x"]
+            return turning / (0.4 * steps["mass"] * 0.2**2)
+
+        turning = spins(f"angular_velocity: [0, 0, 3]\n    pivot: {{point: {middle}}}", "kind: static", 0.333)
+        resting = spins("velocity: [0, 0, 0]", "kind: kinematic, angular_velocity: [0, 0, 12.566]", 0.25)
+        keeps, drags = turning[-1] / 3, abs(resting).max() / 12.566
+        kept, dragged = min(kept, keeps), max(dragged, drags)
+        if not (0.8 if viscosity > 1e5 else 0.95) < max(turning) / 3 < 1.05 or keeps < (0.8 if viscosity > 1e5 else 0.95) or drags > 0.05:
+            short.append(f"{viscosity:g} Pa s, {spacing} m, {offset} of a cell: keeps {keeps:.3f}, {drags:.3f} of the vessel's speed")
+    return Figure(f"liquid keeps {kept:.3f} of its spin at least; at rest at most {dragged:.3f} of the vessel's speed" + "".join(f"; {text}" for text in short), not short)
+
+
 def gripping_drum(context):
     """Rate of the liquid by its angular momentum over its moment of inertia where its particles are."""
     with scratch(context, "drum") as folder:
@@ -180,6 +219,8 @@ def add_rows(table):
     table.row("ramps", claim="free-slip ramps of 2 to 59 degrees, 20 places within a cell, 1 to 1e6 Pa s, 1 to 3 ranks", asked="g sin within 5 %")(ramps)
     table.row("free-slip drums", claim="12.57 rad/s around liquid at rest, 0 to 1e6 Pa s, places within a cell, 1 to 3 ranks",
               asked="the liquid stays")(drums)
+    table.row("free-slip vessels", claim="balls of liquid, 1 to 1e6 Pa s, two spacings, places within a cell, 1 to 3 ranks: 3 rad/s in a vessel at rest, and at "
+              "rest in one at 12.57 rad/s", asked="keeps 0.95 of its spin after 1 rad, 0.8 at 1e6 Pa s, and gains none; at rest <= 5 % of the vessel's")(vessels)
     table.row("no-slip drum", claim="12.57 rad/s, steps of 11 ms", asked="12.57 rad/s inside within 1.5 %, moment of inertia within 3 %")(gripping_drum)
     table.row("momentum of all", claim="a body hits a blob, plane and space, any slip, 0 to 1e5 Pa s, steps of 1 ms, 5 ms and cfl 3, 1 to 3 ranks",
               asked="linear 1e-10 of what is exchanged, angular 1 %")(hits)

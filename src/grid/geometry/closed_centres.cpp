@@ -20,7 +20,7 @@ struct CentreLoop {
         }
         const int u = (axis + 1) % 3, v = (axis + 2) % 3, up = nodes.dimensions == 2 ? 0 : 1;
         const int parts[2] = {u == 2 ? up : 1, v == 2 ? up : 1};
-        const SolidCrossings crossing{nodes, solid};
+        const SolidBends bends{nodes, solid};
         SquarePart sum;
         for (int j = 0; j <= parts[1]; ++j) {
             for (int i = 0; i <= parts[0]; ++i) {
@@ -33,7 +33,7 @@ struct CentreLoop {
                     if (!up) f[2] = 0;
                     square.distance[k] = solid(nodes.index(f[0], f[1], f[2]));
                 }
-                const auto part = square.closed(crossing, (1 - i) + 2 * (1 - j));
+                const auto part = square.closed(bends, (1 - i) + 2 * (1 - j));
                 sum.area += part.area;
                 sum.x += part.x + i * part.area;
                 sum.y += part.y + j * part.area;

@@ -95,7 +95,7 @@ KOKKOS_INLINE_FUNCTION int edge_node(int axis, int dimensions) { return (dimensi
 KOKKOS_INLINE_FUNCTION double open_fraction(
     const ControlVolumes& volumes, const Array<double>& solid, int axis, const int c[3]) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const SolidCrossings crossing{volumes.nodes, solid};
+    const SolidBends bends{volumes.nodes, solid};
     double sum = 0;
     int count = 0;
     for (int j = 0; j <= volumes.up[v]; ++j) {
@@ -115,7 +115,7 @@ KOKKOS_INLINE_FUNCTION double open_fraction(
                 in_surface = in_surface && math::fabs(square.distance[k]) < volumes.nodes.surface();
             }
             if (!in_surface)
-                sum += 1 - math::max(0.0, math::min(1.0, square.closed(crossing, (1 - i) + 2 * (1 - j)).area));
+                sum += 1 - math::max(0.0, math::min(1.0, square.closed(bends, (1 - i) + 2 * (1 - j)).area));
         }
     }
     return sum / count;

@@ -68,9 +68,18 @@ void PressureComponents::number(const Comm& comm, std::int64_t first_row) {
         if (!is_closed(of)) continue;
         const auto at = std::lower_bound(labels_.begin(), labels_.end(), static_cast<std::int64_t>(of));
         parts_[i] = static_cast<int>(at - labels_.begin());
-        sizes_[static_cast<std::size_t>(parts_[i])] += 1;
+        sizes_[static_cast<std::size_t>(parts_[i])] += weights_[i];
     }
     comm.sum(std::span(sizes_));
+}
+
+void PressureComponents::weigh(const solve::CsrBlocks& matrix) {
+    weights_.assign(static_cast<std::size_t>(matrix.rows), 0.0);
+    for (int i = 0; i < matrix.rows; ++i) {
+        for (int k = matrix.diagonal_offsets[i]; k < matrix.diagonal_offsets[i + 1]; ++k) {
+            if (matrix.diagonal_columns[k] == i) weights_[static_cast<std::size_t>(i)] = matrix.diagonal_values[k];
+        }
+    }
 }
 
 void PressureComponents::find_relief(
@@ -94,6 +103,7 @@ void PressureComponents::find_relief(
 void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix,
     std::span<const double> dirichlet_diagonal, const PressureCoupling& coupling, const rigid::RigidBodies& bodies) {
     unpinned_.clear();
+    weigh(matrix);
     label(comm, matrix, dirichlet_diagonal);
     number(comm, matrix.first_row);
     if (labels_.empty()) return;
@@ -101,9 +111,9 @@ void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix
     for (std::size_t p = 0; p < labels_.size(); ++p) {
         const auto row = static_cast<int>(labels_[p] - matrix.first_row);
         if (row < 0 || row >= matrix.rows) continue;
+        const double weight = weights_[static_cast<std::size_t>(row)];
         for (int k = matrix.diagonal_offsets[row]; k < matrix.diagonal_offsets[row + 1]; ++k) {
             if (matrix.diagonal_columns[k] != row) continue;
-            const double weight = matrix.diagonal_values[k];
             matrix.diagonal_values[k] += weight;
             if (relief_.relieved(p)) unpinned_.push_back({row, weight});
         }
@@ -126,7 +136,7 @@ double PressureComponents::balance(const Comm& comm, std::span<double> b) const 
         if (sums[parts + p] > 0) taken = std::max(taken, sizes_[p] * std::fabs(surplus[p]) / sums[parts + p]);
     }
     for (std::size_t i = 0; i < b.size(); ++i) {
-        if (parts_[i] >= 0) b[i] -= surplus[static_cast<std::size_t>(parts_[i])];
+        if (parts_[i] >= 0) b[i] -= weights_[i] * surplus[static_cast<std::size_t>(parts_[i])];
     }
     return taken;
 }

@@ -19,8 +19,8 @@ public:
     // moves under a constant pressure, there is nothing free: `unpinned()` has what to take off of the product again.
     void anchor(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal,
         const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
-    // Collective: takes off of b what closed parts have too much, the mean of each where no body gives way to it. Returns
-    // the largest share of |b| that was taken.
+    // Collective: takes off of b what closed parts have too much, where no body gives way to it, from each cell by its openings: a cell
+    // that a solid all but closes would else have to take through them what any other does. Returns the largest share of |b| that was taken.
     double balance(const Comm& comm, std::span<double> b) const;
 
     // Addition to a diagonal entry.
@@ -39,6 +39,7 @@ public:
 
 private:
     void label(const Comm& comm, const solve::CsrBlocks& matrix, std::span<const double> dirichlet_diagonal);
+    void weigh(const solve::CsrBlocks& matrix);
     void number(const Comm& comm, std::int64_t first_row);
     void find_relief(const Comm& comm, const PressureCoupling& coupling, const rigid::RigidBodies& bodies);
 
@@ -47,7 +48,8 @@ private:
         label_; // [rows] of the least of each: least row of the part over all ranks; + 0.5: it ends at a surface
     std::vector<std::int64_t> labels_; // of the enclosed components, rising, the same on all ranks
     std::vector<int> parts_;           // [rows] number of the closed part, or -1
-    std::vector<double> sizes_;        // [enclosed components] rows, over all ranks
+    std::vector<double> weights_;      // [rows] diagonal entries, the openings of cells
+    std::vector<double> sizes_;        // [enclosed components] their sums, over all ranks
     std::vector<Weight> unpinned_;
     PartRelief relief_;
 };

@@ -47,46 +47,27 @@ struct FluxLoop {
     }
 };
 
-// Faces that the flux through a face takes velocities of, along solids that liquid slides along.
+// Rows of the faces that share a flux with each row's, and how much of it: those whose velocity its flux takes, then those whose flux takes
+// its own.
+constexpr int most_taken = 3, most_taking = 8, most_sharing = most_taken + most_taking;
 struct NeighbourLoop {
-    PressureFaces faces;
-    SlipSolids slip;
-    EdgeField shear;
+    OpenFlux flux;
     Array<int> face_of, row_of[3], rows;
     Array<double> values;
 
-    // The step to the face that the flux through face i across axis a takes part of the velocity of, along axis a + 1 + k; 0: none. Both
-    // must have a stress between them, and so be in each other's halo.
-    KOKKOS_INLINE_FUNCTION std::ptrdiff_t step(int a, std::ptrdiff_t i, int k, double& weight) const {
-        const int b = (a + 1 + k) % 3;
-        const double open = faces.open(a, static_cast<std::size_t>(i));
-        if (b >= faces.dimensions || !(open > 0) || !(open < 1) || row_of[a](i) < 0) return 0;
-        if (slip.no_slip_fractions.open.axis[a](i) < 1) return 0;
-        const double offset = -(1 - open) / open * slip.closed_centre[a][k](i);
-        weight = math::min(math::fabs(offset), 0.5);
-        if (!(weight > 0)) return 0;
-        const std::ptrdiff_t to = offset > 0 ? faces.stride[b] : -faces.stride[b];
-        const bool tied = row_of[a](i + to) >= 0 && shear.axis[3 - a - b](to > 0 ? i + to : i) > 0;
-        return tied ? to : 0;
-    }
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         const int a = face_of(r) % 3;
         const std::ptrdiff_t i = face_of(r) / 3;
-        for (int k = 0; k < 2; ++k) {
-            double weight = 0;
-            const auto to = step(a, i, k, weight);
-            rows(6 * r + k) = to != 0 ? row_of[a](i + to) : -1;
-            values(6 * r + k) = weight;
-            for (int side = 0; side < 2; ++side) {
-                const int at = 6 * r + 2 + 2 * k + side, b = (a + 1 + k) % 3;
-                rows(at) = -1;
-                if (b >= faces.dimensions) continue;
-                const std::ptrdiff_t back = side == 0 ? -faces.stride[b] : faces.stride[b];
-                if (step(a, i + back, k, weight) != -back) continue;
-                rows(at) = row_of[a](i + back);
-                values(at) = weight;
-            }
-        }
+        int taken = most_sharing * r, taking = taken + most_taken;
+        for (int k = taken; k < taken + most_sharing; ++k) rows(k) = -1;
+        flux.each_taken(a, i, [&](std::ptrdiff_t j, double weight) { add(taken, row_of[a](j), j != i, weight); });
+        flux.each_taking(a, i, [&](std::ptrdiff_t j, double weight) { add(taking, row_of[a](j), j != i, weight); });
+    }
+    KOKKOS_INLINE_FUNCTION void add(int& at, int row, bool other, double weight) const {
+        if (!other) return;
+        rows(at) = row;
+        values(at) = weight;
+        ++at;
     }
 };
 
@@ -144,26 +125,25 @@ void PressedFaces::find_flux(const ViscousSystem& viscous, const PressureSystem&
     }
 }
 
-void PressedFaces::find_neighbours(const ViscousSystem& viscous, const PressureSystem& pressure,
-    const ViscousFaces& viscous_faces, const SlipSolids& slip) {
+void PressedFaces::find_neighbours(const ViscousSystem& viscous) {
     const auto n = static_cast<std::size_t>(faces_);
-    reserve(rows_, 6 * n);
-    reserve(values_, 6 * n);
+    const std::size_t all = most_sharing * n;
+    reserve(rows_, all);
+    reserve(values_, all);
     Kokkos::parallel_for("treacle::pressed_neighbours", faces_,
-        NeighbourLoop{pressure.faces(), slip, viscous_faces.shear, viscous.face_of(),
-            {viscous.row_of(0), viscous.row_of(1), viscous.row_of(2)}, rows_, values_});
+        NeighbourLoop{viscous.flux(), viscous.face_of(), {viscous.row_of(0), viscous.row_of(1), viscous.row_of(2)},
+            rows_, values_});
     const auto rows = on_host(rows_);
     const auto values = on_host(values_);
     const LocalColumns local_column{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
-    for (std::size_t k = 0; k < 6 * n; ++k) {
+    for (std::size_t k = 0; k < all; ++k) {
         if (rows(k) < 0) continue;
-        const Neighbour found{static_cast<int>(k / 6), local_column(rows(k)), values(k)};
-        (k % 6 < 2 ? taken_ : given_).push_back(found);
+        const Neighbour found{static_cast<int>(k / most_sharing), local_column(rows(k)), values(k)};
+        (k % most_sharing < most_taken ? taken_ : given_).push_back(found);
     }
 }
 
-void PressedFaces::build(const Comm& comm, ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales,
-    const ViscousFaces& viscous_faces, const SlipSolids* slip) {
+void PressedFaces::build(ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales) {
     faces_ = viscous.faces();
     pressures_ = pressure.rows();
     of_faces_ = &viscous.halo();
@@ -173,10 +153,8 @@ void PressedFaces::build(const Comm& comm, ViscousSystem& viscous, PressureSyste
     difference_.resize(sides_.size());
     taken_.clear();
     given_.clear();
-    const bool few_iterations =
-        viscous_faces.dimensions == 2; // in space they take five times as many (measurements.md)
-    if (slip && few_iterations) find_neighbours(viscous, pressure, viscous_faces, *slip);
-    interpolates_ = comm.sum(static_cast<std::int64_t>(taken_.size())) > 0;
+    interpolates_ = viscous.flux().interpolates();
+    if (interpolates_) find_neighbours(viscous);
 }
 
 void PressedFaces::flux(std::span<const double> u, std::span<double> y) {
@@ -234,17 +212,6 @@ void PressedFaces::add_forces(std::span<const double> p, std::span<double> y) {
     }
 }
 
-void PressedFaces::add_volume_difference(
-    std::span<const double> u, std::span<const double> by_row, std::span<double> y) {
-    by_row_.resize(by_row.size());
-    flux(u, by_row_);
-    for (std::size_t k = 0; k < by_row.size(); ++k) by_row_[k] *= by_row[k];
-    add_forces(by_row_, y);
-    middle_flux(u, by_row_);
-    for (std::size_t k = 0; k < by_row.size(); ++k) by_row_[k] *= -by_row[k];
-    add_middle_forces(by_row_, y);
-}
-
 void PressedFaces::push(std::span<const double> p, std::span<double> u) {
     differences(p, difference_);
     for (std::size_t r = 0; r < sides_.size(); ++r) u[r] -= sides_[r].change * difference_[r];
@@ -253,7 +220,7 @@ void PressedFaces::push(std::span<const double> p, std::span<double> u) {
 std::size_t PressedFaces::bytes() const {
     return sides_.capacity() * sizeof(Sides) + entries_.capacity() * sizeof(Entry) +
            4 * (first_.capacity() + rows_.span()) +
-           8 * (difference_.capacity() + values_.span() + at_open_.capacity() + by_row_.capacity()) +
+           8 * (difference_.capacity() + values_.span() + at_open_.capacity()) +
            sizeof(Neighbour) * (taken_.capacity() + given_.capacity());
 }
 

@@ -11,28 +11,20 @@ namespace treacle::grid {
 // The faces between the pressures and the velocities of one system (U), by rows of both: G, its transpose, and what pressures
 // change of velocities where there is no viscosity. On the host, where the solvers are. Spans are of this rank's rows.
 //
-// The flux through a face is its open area times the velocity at the middle of the open part. Where liquid slides along the solid that
-// closes the rest, that is interpolated to from the face beside on the open side: G = P^T G_0 with G_0 that of the faces' middles, by
-// which liquid that turns along a round wall would cross it, and be held as by a rough one. In the plane; in space G = G_0.
+// G = P^T G_0 with G_0 that of the faces' middles, and P what fluxes take of the faces beside (open_flux.hpp).
 class PressedFaces {
 public:
     struct Scales {
         double area;   // of a face [m2], of a 2D scene [m]
         double change; // dt/(rho dx), of a face's velocity by a pressure difference [m/(s Pa)]
     };
-    // Collective. Both systems for the same faces (Stokes::Parts), the viscous one assembled with `viscous_faces`; `slip`: solids along
-    // which liquid slides, or none.
-    void build(const Comm& comm, ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales,
-        const ViscousFaces& viscous_faces, const SlipSolids* slip);
+    // Collective. Both systems for the same faces (Stokes::Parts).
+    void build(ViscousSystem& viscous, PressureSystem& pressure, const Scales& scales);
 
     // y = G^T u, of what flows into each cell [m3/s]. Collective.
     void flux(std::span<const double> u, std::span<double> y);
     // y += G p: what the pressures hold against [N]. Collective.
     void add_forces(std::span<const double> p, std::span<double> y);
-    // True where G is not G_0. The same on every rank.
-    bool interpolates() const { return interpolates_; }
-    // y += (G S G^T - G_0 S G_0^T) u with S the numbers `by_row` of the pressures. Collective.
-    void add_volume_difference(std::span<const double> u, std::span<const double> by_row, std::span<double> y);
     // u -= dt/(rho dx) (p_c - p_below), over theta at a surface, as Pressure::apply() does. Collective.
     void push(std::span<const double> p, std::span<double> u);
 
@@ -41,8 +33,7 @@ public:
     // Parts of build(); not private, since nvcc takes no kernel in a private function.
     void find_sides(const ViscousSystem& viscous, const PressureSystem& pressure, const Scales& scales);
     void find_flux(const ViscousSystem& viscous, const PressureSystem& pressure, double area);
-    void find_neighbours(const ViscousSystem& viscous, const PressureSystem& pressure,
-        const ViscousFaces& viscous_faces, const SlipSolids& slip);
+    void find_neighbours(const ViscousSystem& viscous);
 
 private:
     struct Sides {
@@ -71,8 +62,8 @@ private:
     bool interpolates_ = false;
     std::vector<Neighbour> taken_,
         given_; // faces whose flux takes another's velocity; faces whose velocity another's flux takes
-    std::vector<double> at_open_, by_row_; // [faces] velocities, forces; [pressures]
-    RowHalo* of_faces_ = nullptr;          // those of the two systems
+    std::vector<double> at_open_; // [faces] velocities, forces
+    RowHalo* of_faces_ = nullptr; // those of the two systems
     RowHalo* of_pressures_ = nullptr;
     Array<int> rows_{"treacle::pressed_rows", 0};
     Array<double> values_{"treacle::pressed_values", 0};

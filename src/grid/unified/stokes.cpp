@@ -68,7 +68,6 @@ struct Stokes::System {
     }
     void multiply(std::span<const double> x, std::span<double> y) const {
         parts.viscous.matrix().multiply(x.first(n), y.first(n));
-        if (of.pressed_.interpolates()) of.pressed_.add_volume_difference(x.first(n), of.volume_stiffness_, y.first(n));
         add_forces(x.last(m), y.first(n));
         flux(x.first(n), y.last(m));
     }
@@ -100,8 +99,7 @@ void Stokes::build(const Parts& parts, const FaceField& velocity, const rigid::R
     auto scene = parts.scene;
     scene.volumes = &volumes_.stiffness();
     parts.viscous.build(scene, velocity, bodies, parts.dt);
-    pressed_.build(comm_, parts.viscous.system(), parts.pressure.system(), {face, parts.dt / (scene.density * grid.dx)},
-        parts.viscous.viscous_faces(), scene.slip);
+    pressed_.build(parts.viscous.system(), parts.pressure.system(), {face, parts.dt / (scene.density * grid.dx)});
     const std::size_t all = parts.viscous.rows() + parts.pressure.rows();
     for (auto* vector : {&b_, &x_, &weights_}) vector->assign(all, 0.0);
     stiffness_.resize(parts.pressure.rows());

@@ -1,5 +1,6 @@
 #include "grid/viscosity/viscous_system.hpp"
 
+#include "grid/viscosity/viscosity.hpp"
 #include "kokkos/scan.hpp"
 #include "solve/rows/host_blocks.hpp"
 
@@ -9,6 +10,8 @@ namespace treacle::grid {
 
 namespace {
 constexpr int most_entries = 15; // of a row: 1 + 6 of its axis + 8 of the others
+// Where fluxes take velocities of two faces beside: 15 + 16 + 16 faces of the 10 cells whose flux takes the row's, and 2 more of each.
+constexpr int most_interpolated_entries = 188;
 
 struct NumberLoop {
     ViscousFaces faces;
@@ -55,8 +58,10 @@ struct RisingRow {
     }
 };
 
+template <int most>
 struct RowLoop {
     ViscousFaces faces;
+    OpenFlux flux;
     Array<int> row_of[3], halo_column[3], face_of;
     ViscousSystem::Block own, other;
     int first, rows;
@@ -64,8 +69,8 @@ struct RowLoop {
 
     // Globals of this rank's rows become local, of others places in the halo.
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
-        int columns[2][most_entries];
-        double values[2][most_entries];
+        int columns[2][most];
+        double values[2][most];
         RisingRow here{columns[0], values[0]}, there{columns[1], values[1]};
         const int a = face_of(r) % 3;
         const std::ptrdiff_t i = face_of(r) / 3;
@@ -82,7 +87,7 @@ struct RowLoop {
         };
         faces.each_entry(a, i,
             [&](int b, std::ptrdiff_t j, double entry) { add(b, j, entry * (fraction * faces.fraction.axis[b](j))); });
-        faces.volumes.each_entry(a, i, add);
+        faces.volumes.each_entry(flux, a, i, add);
         if (!write) {
             own.offset(r) = here.count;
             other.offset(r) = there.count;
@@ -138,13 +143,14 @@ void ViscousSystem::number_rows(const Comm& comm, CellHalo& halo, const ViscousF
     halo.gather({row_of_[0], row_of_[1], row_of_[2]});
 }
 
-// On the host, where the halo is: faces of the one layer of cells around the owned ones.
+// On the host, where the halo is: faces of the layer of cells around the owned ones, of two where fluxes take velocities of faces beside.
 void ViscousSystem::connect_halo(const Comm& comm, const CellHalo& halo, int dimensions) {
     const auto& window = halo.window();
     CellBox around = owned_;
+    const int layers = flux_.interpolates() ? 2 : 1;
     for (int k = 0; k < dimensions && !owned_.empty(); ++k) {
-        --around.lo[k];
-        ++around.hi[k];
+        around.lo[k] -= layers;
+        around.hi[k] += layers;
     }
     columns_.clear();
     const auto each = [&](const auto& use) {
@@ -175,13 +181,26 @@ void ViscousSystem::connect_halo(const Comm& comm, const CellHalo& halo, int dim
     for (int a = 0; a < dimensions; ++a) Kokkos::deep_copy(halo_column_[a], halo_column[a]);
 }
 
+template <int most>
+void ViscousSystem::run_rows(const char* name, const ViscousFaces& faces, bool write) {
+    Kokkos::parallel_for(name, free_,
+        RowLoop<most>{faces, flux_, {row_of_[0], row_of_[1], row_of_[2]},
+            {halo_column_[0], halo_column_[1], halo_column_[2]}, face_of_, own_, other_, static_cast<int>(first_row_),
+            free_, write});
+}
+
+void ViscousSystem::run_rows(const char* name, const ViscousFaces& faces, bool write) {
+    if (flux_.interpolates())
+        run_rows<most_interpolated_entries>(name, faces, write);
+    else
+        run_rows<most_entries>(name, faces, write);
+}
+
 void ViscousSystem::count_entries(const ViscousFaces& faces) {
     const auto n = static_cast<std::size_t>(rows());
     reserve(own_.offset, n + 1);
     reserve(other_.offset, n + 1);
-    Kokkos::parallel_for("treacle::count_viscous_entries", free_,
-        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_column_[0], halo_column_[1], halo_column_[2]},
-            face_of_, own_, other_, static_cast<int>(first_row_), free_, false});
+    run_rows("treacle::count_viscous_entries", faces, false);
     const int faces_here = free_, extra = extra_;
     const auto own = own_.offset, other = other_.offset;
     Kokkos::parallel_for(
@@ -197,9 +216,7 @@ void ViscousSystem::count_entries(const ViscousFaces& faces) {
 }
 
 void ViscousSystem::fill(const ViscousFaces& faces) {
-    Kokkos::parallel_for("treacle::fill_viscous_matrix", free_,
-        RowLoop{faces, {row_of_[0], row_of_[1], row_of_[2]}, {halo_column_[0], halo_column_[1], halo_column_[2]},
-            face_of_, own_, other_, static_cast<int>(first_row_), free_, true});
+    run_rows("treacle::fill_viscous_matrix", faces, true);
     const int faces_here = free_, extra = extra_;
     const auto own = own_;
     Kokkos::parallel_for(
@@ -211,10 +228,22 @@ void ViscousSystem::fill(const ViscousFaces& faces) {
         });
 }
 
-void ViscousSystem::assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra) {
+void ViscousSystem::find_flux(const Comm& comm, const ViscousFaces& faces, const SlipSolids& slip) {
+    OpenFlux::Scene scene{faces.volumes.faces, {}, slip.no_slip_fractions.open, faces.shear, {}};
+    for (int a = 0; a < 3; ++a) {
+        for (int k = 0; k < 2; ++k) scene.closed_centre[a][k] = slip.closed_centre[a][k];
+        scene.row_of[a] = row_of_[a];
+    }
+    flux_.find(comm, scene);
+}
+
+void ViscousSystem::assemble(
+    const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const SlipSolids* slip, int extra) {
     owned_ = halo.owned();
     extra_ = comm.is_root() ? extra : 0;
     number_rows(comm, halo, faces);
+    flux_ = OpenFlux();
+    if (slip) find_flux(comm, faces, *slip);
     connect_halo(comm, halo, faces.dimensions);
     count_entries(faces);
     fill(faces);
@@ -236,7 +265,7 @@ void ViscousSystem::right_hand_side(
 }
 
 std::size_t ViscousSystem::bytes() const {
-    std::size_t total = 4 * (face_of_.span() + columns_.capacity()) + halo_.bytes();
+    std::size_t total = 4 * (face_of_.span() + columns_.capacity()) + halo_.bytes() + flux_.bytes();
     for (int a = 0; a < 3; ++a) total += 4 * (row_of_[a].span() + halo_column_[a].span());
     for (const auto* block : {&own_, &other_}) {
         total += 4 * (block->offset.span() + block->column.span()) + 8 * block->value.span();

@@ -8,13 +8,15 @@
 
 namespace treacle::grid {
 
-// The matrix A11 = m/dt + W_F D^T K D W_F of the free faces (V4), and of volumes that it holds, in distributed compressed rows [kg/s], symmetric to the
-// bit. Rows go cell by cell, x fastest, the components of a cell beside each other. After the faces of rank 0 stand
-// `extra` rows, a dense block for the caller to fill: the bodies'.
+struct SlipSolids;
+
+// The matrix A11 = m/dt + W_F D^T K D W_F of the free faces (V4), and of volumes that it holds, in distributed compressed rows
+// [kg/s], symmetric, to the bit but where fluxes are interpolated. Rows go cell by cell, x fastest, the components of a cell beside
+// each other. After the faces of rank 0 stand `extra` rows, a dense block for the caller to fill: the bodies'.
 class ViscousSystem {
 public:
-    // Collective.
-    void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra);
+    // Collective. `slip`: solids along which liquid slides, where the matrix holds volumes.
+    void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const SlipSolids* slip, int extra);
 
     int faces() const { return free_; }                                // rows of this rank that are faces
     int rows() const { return free_ + extra_; }                        // all
@@ -25,7 +27,8 @@ public:
     const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
     const Array<int>& face_of() const { return face_of_; } // [faces()] index in the window times 3 plus the axis
 
-    RowHalo& halo() { return halo_; } // to the other ranks' columns
+    const OpenFlux& flux() const { return flux_; } // of the volumes that the matrix holds
+    RowHalo& halo() { return halo_; }              // to the other ranks' columns
 
     // The matrix, with its extra block as it was filled last; rank 0 fills it.
     solve::CsrBlocks blocks();
@@ -39,6 +42,9 @@ public:
     void number_rows(const Comm& comm, CellHalo& halo, const ViscousFaces& faces);
     void count_entries(const ViscousFaces& faces);
     void fill(const ViscousFaces& faces);
+    void run_rows(const char* name, const ViscousFaces& faces, bool write);
+    template <int most>
+    void run_rows(const char* name, const ViscousFaces& faces, bool write);
 
     // Compressed rows: columns are local rows in the own block, places in the halo in the other one.
     struct Block {
@@ -52,11 +58,13 @@ private:
         Array<int>::HostMirror offset, column;
         Array<double>::HostMirror value;
     };
+    void find_flux(const Comm& comm, const ViscousFaces& faces, const SlipSolids& slip);
     void connect_halo(const Comm& comm, const CellHalo& halo, int dimensions);
     void add_extra();
 
     Block own_, other_;
     HostBlock host_own_, host_other_;
+    OpenFlux flux_;
     RowHalo halo_;
     std::vector<int> columns_;
     Array<int> row_of_[3];

@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/geometry/open_flux.hpp"
 #include "grid/mac/pressure_faces.hpp"
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
@@ -19,21 +20,31 @@ struct VolumeStiffness {
         return stiffness.extent(0) > 0 && faces.open(a, static_cast<std::size_t>(i)) > 0 &&
                (stiffness(i) > 0 || stiffness(i - faces.stride[a]) > 0);
     }
-    // Row (a, i): use(b, j, entry) for each face j across b that it meets, itself twice.
+    // Row (a, i): use(b, j, entry) for each face j across b whose velocity a flux takes that takes that of face i, too; some come more than once.
     template <class Use>
-    KOKKOS_INLINE_FUNCTION void each_entry(int a, std::ptrdiff_t i, const Use& use) const {
+    KOKKOS_INLINE_FUNCTION void each_entry(const OpenFlux& flux, int a, std::ptrdiff_t i, const Use& use) const {
         if (stiffness.extent(0) == 0) return;
-        const double own = faces.open(a, static_cast<std::size_t>(i));
-        if (!(own > 0)) return;
-        for (int side = 0; side < 2; ++side) {
-            const std::ptrdiff_t cell = side == 0 ? i : i - faces.stride[a];
-            if (!(stiffness(cell) > 0)) continue;
-            for (int b = 0; b < faces.dimensions; ++b) {
-                for (int end = 0; end < 2; ++end) {
-                    const std::ptrdiff_t j = cell + end * faces.stride[b];
-                    const double other = faces.open(b, static_cast<std::size_t>(j));
-                    if (other > 0) use(b, j, (side == end ? stiffness(cell) : -stiffness(cell)) * (own * other));
-                }
+        flux.each_taking(a, i, [&](std::ptrdiff_t through, double weight) {
+            const double own = weight * faces.open(a, static_cast<std::size_t>(through));
+            if (!(own > 0)) return;
+            for (int side = 0; side < 2; ++side) {
+                const std::ptrdiff_t cell = side == 0 ? through : through - faces.stride[a];
+                if (stiffness(cell) > 0) each_in_flux(flux, cell, side, own, use);
+            }
+        });
+    }
+    // Of a flux `own` through side `side` of a cell: entries of the faces in the flux of that cell.
+    template <class Use>
+    KOKKOS_INLINE_FUNCTION void each_in_flux(
+        const OpenFlux& flux, std::ptrdiff_t cell, int side, double own, const Use& use) const {
+        for (int b = 0; b < faces.dimensions; ++b) {
+            for (int end = 0; end < 2; ++end) {
+                const std::ptrdiff_t j = cell + end * faces.stride[b];
+                const double open = faces.open(b, static_cast<std::size_t>(j));
+                if (!(open > 0)) continue;
+                const double factor = side == end ? stiffness(cell) : -stiffness(cell);
+                flux.each_taken(b, j,
+                    [&](std::ptrdiff_t taken, double weight) { use(b, taken, factor * (own * (weight * open))); });
             }
         }
     }

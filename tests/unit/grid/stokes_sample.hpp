@@ -121,9 +121,15 @@ private:
                 use(a, static_cast<std::size_t>(halo.window().index(c[0], c[1], c[2])), face(a, c));
         }
     }
+    SlipAreas slip_areas() const {
+        if (!sample.solid_slips) return {};
+        const Array<double> lengths("lengths", 6 + bodies.size());
+        for (std::size_t k = 6; k < lengths.extent(0); ++k) lengths(k) = sample.slip_length;
+        return {&closed_centres, lengths};
+    }
     PressureContext scene() {
         return {grid, halo, distance, fractions, sample.solid_slips ? all_body_fractions : body_fractions, bodies,
-            sample.density, sample.surface_tension, nullptr, nullptr, {}};
+            sample.density, sample.surface_tension, nullptr, nullptr, slip_areas()};
     }
 
     PressureFaces pressed_;

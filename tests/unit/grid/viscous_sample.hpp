@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/geometry/closed_centres.hpp"
 #include "grid/geometry/fractions.hpp"
 #include "grid/viscosity/viscosity.hpp"
 #include "solve/rows/runtime.hpp"
@@ -133,7 +134,8 @@ public:
     std::array<BodyFractions, 3> body_fractions, all_body_fractions; // of no-slip bodies; with slip, of all
     Viscosities viscosities;
     SlipSolids slip;
-    DistanceSampler no_slip; // of the no-slip solids
+    ClosedCentres closed_centres; // of all solids
+    DistanceSampler no_slip;      // of the no-slip solids
     FaceField velocity;
     Viscosity viscosity;
 
@@ -211,6 +213,7 @@ private:
         for (std::size_t k = 0; k < nodes.size(); ++k) number(k) = static_cast<int>(numbers(k));
         for (std::size_t b = 0; b < sample_.body.size(); ++b) moves(b) = 1;
         no_slip = {nodes, solid};
+        closed_centres.find(nodes, solid);
         FractionBuilder builder;
         builder.build(nodes, solid, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, fractions);
         builder.build_body_fractions(nodes, solid, number, moves, body_fractions.data());
@@ -234,6 +237,9 @@ private:
         no_slip = {nodes, at_nodes(nodes, [&](const Vec3& x) { return walls_at(x); })};
         builder.build(
             nodes, no_slip.values, at_nodes(nodes, sample_.liquid), FractionMethod::consistent, slip.no_slip_fractions);
+        for (int a = 0; a < 3; ++a) {
+            for (int k = 0; k < 2; ++k) slip.closed_centre[a][k] = closed_centres.offset(a, k);
+        }
         slip.length = Array<double>("length", window_size_);
         Kokkos::deep_copy(slip.length, sample_.slip_length);
         slip.body = Array<int>("body", window_size_);
