@@ -95,11 +95,14 @@ Stokes::Stokes(const Comm& comm, const StokesOptions& options)
 void Stokes::build(const Parts& parts, const FaceField& velocity, const rigid::RigidBodies& bodies) {
     const auto& grid = parts.scene.grid;
     const double face = std::pow(grid.dx, grid.dimensions - 1);
-    volumes_.find(parts.pressure, parts.viscous.viscous_faces(), bodies, parts.scene.halo, face);
+    auto& system = parts.viscous.system();
+    const auto& faces = parts.viscous.viscous_faces();
+    system.find_flux(comm_, parts.scene.halo, faces, parts.pressure.system().faces(), parts.scene.slip);
+    volumes_.find(parts.pressure, faces, system.flux(), bodies, parts.scene.halo, face);
     auto scene = parts.scene;
     scene.volumes = &volumes_.stiffness();
     parts.viscous.build(scene, velocity, bodies, parts.dt);
-    pressed_.build(parts.viscous.system(), parts.pressure.system(), {face, parts.dt / (scene.density * grid.dx)});
+    pressed_.build(system, parts.pressure.system(), {face, parts.dt / (scene.density * grid.dx)});
     const std::size_t all = parts.viscous.rows() + parts.pressure.rows();
     for (auto* vector : {&b_, &x_, &weights_}) vector->assign(all, 0.0);
     stiffness_.resize(parts.pressure.rows());

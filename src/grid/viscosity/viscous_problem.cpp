@@ -150,7 +150,7 @@ void ViscousProblem::build(
     update_faces(scene, bodies, dt);
     if (has_moving_bodies_) bodies_.prepare(bodies);
     coupled_ = answers_ && coupling_ == Coupling::strong ? bodies_.unknowns() : 0;
-    system_.assemble(comm_, scene.halo, parts_.faces(), scene.volumes ? scene.slip : nullptr, coupled_);
+    system_.assemble(comm_, scene.halo, parts_.faces(), coupled_);
     if (has_moving_bodies_) bodies_.build(comm_, scene, parts_.faces(), system_, motion_, velocity);
     describe_rows(scene.grid);
     make_matrix();

@@ -228,22 +228,25 @@ void ViscousSystem::fill(const ViscousFaces& faces) {
         });
 }
 
-void ViscousSystem::find_flux(const Comm& comm, const ViscousFaces& faces, const SlipSolids& slip) {
-    OpenFlux::Scene scene{faces.volumes.faces, {}, slip.no_slip_fractions.open, faces.shear, {}};
+void ViscousSystem::find_flux(
+    const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const PressureFaces& pressed, const SlipSolids* slip) {
+    flux_ = OpenFlux();
+    if (!slip) return;
+    owned_ = halo.owned();
+    number_rows(comm, halo, faces);
+    OpenFlux::Scene scene{pressed, {}, slip->no_slip_fractions.open, faces.shear, {}};
     for (int a = 0; a < 3; ++a) {
-        for (int k = 0; k < 2; ++k) scene.closed_centre[a][k] = slip.closed_centre[a][k];
+        for (int k = 0; k < 2; ++k) scene.closed_centre[a][k] = slip->closed_centre[a][k];
         scene.row_of[a] = row_of_[a];
     }
     flux_.find(comm, scene);
 }
 
-void ViscousSystem::assemble(
-    const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const SlipSolids* slip, int extra) {
+void ViscousSystem::assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra) {
     owned_ = halo.owned();
     extra_ = comm.is_root() ? extra : 0;
+    if (faces.volumes.stiffness.extent(0) == 0) flux_ = OpenFlux();
     number_rows(comm, halo, faces);
-    flux_ = OpenFlux();
-    if (slip) find_flux(comm, faces, *slip);
     connect_halo(comm, halo, faces.dimensions);
     count_entries(faces);
     fill(faces);

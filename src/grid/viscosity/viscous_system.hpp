@@ -15,8 +15,11 @@ struct SlipSolids;
 // each other. After the faces of rank 0 stand `extra` rows, a dense block for the caller to fill: the bodies'.
 class ViscousSystem {
 public:
-    // Collective. `slip`: solids along which liquid slides, where the matrix holds volumes.
-    void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const SlipSolids* slip, int extra);
+    // Collective. flux() of volumes, for assemble() with such. `slip`: solids along which liquid slides, or none.
+    void find_flux(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const PressureFaces& pressed,
+        const SlipSolids* slip);
+    // Collective.
+    void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra);
 
     int faces() const { return free_; }                                // rows of this rank that are faces
     int rows() const { return free_ + extra_; }                        // all
@@ -27,7 +30,7 @@ public:
     const Array<int>& row_of(int axis) const { return row_of_[axis]; } // [window] global number, -1: none
     const Array<int>& face_of() const { return face_of_; } // [faces()] index in the window times 3 plus the axis
 
-    const OpenFlux& flux() const { return flux_; } // of the volumes that the matrix holds
+    const OpenFlux& flux() const { return flux_; } // whose velocities they take
     RowHalo& halo() { return halo_; }              // to the other ranks' columns
 
     // The matrix, with its extra block as it was filled last; rank 0 fills it.
@@ -58,7 +61,6 @@ private:
         Array<int>::HostMirror offset, column;
         Array<double>::HostMirror value;
     };
-    void find_flux(const Comm& comm, const ViscousFaces& faces, const SlipSolids& slip);
     void connect_halo(const Comm& comm, const CellHalo& halo, int dimensions);
     void add_extra();
 

@@ -56,8 +56,8 @@ struct VolumeStiffness {
 class VolumeStresses {
 public:
     // Collective, for the faces of the pressure's matrix and the stresses as they are. `face` [m2], of a 2D scene [m].
-    void find(
-        Pressure& pressure, const ViscousFaces& viscous, const rigid::RigidBodies& bodies, CellHalo& halo, double face);
+    void find(Pressure& pressure, const ViscousFaces& viscous, const OpenFlux& flux, const rigid::RigidBodies& bodies,
+        CellHalo& halo, double face);
 
     const VolumeStiffness& stiffness() const { return stiffness_; } // for kernels, as of find()
     // [rows of the pressure] pressure by flux, the part that is in the matrix included [Pa s/m3].

@@ -104,7 +104,7 @@ TEST(FreeSlip, DrumsTakeFewIterations) {
                 sample.velocity = [](const Vec3& x) { return Vec3{std::sin(9 * x[1]), std::sin(9 * x[0]), 0}; };
                 const auto report = started(Comm::world(), sample)->advance(0.01);
                 EXPECT_GT(report.stokes.solve.iterations, 0);
-                EXPECT_LE(report.stokes.solve.iterations, 50) << viscosity << " Pa s, " << place << " of a cell";
+                EXPECT_LE(report.stokes.solve.iterations, 35) << viscosity << " Pa s, " << place << " of a cell";
             }
         }
     }
@@ -164,7 +164,7 @@ TEST(FreeSlip, RoundVesselsLetLiquidTurn) {
         int iterations = 0;
         for (int k = 0; k < 6; ++k) iterations = std::max(iterations, step->advance(0.0333).stokes.solve.iterations);
         EXPECT_NEAR(ball_spin_of(step->totals(), place) / before, 1, lost) << viscosity << " " << place;
-        EXPECT_LE(iterations, 80) << viscosity << " " << place;
+        EXPECT_LE(iterations, 40) << viscosity << " " << place;
     }
 }
 
