@@ -228,13 +228,13 @@ void ViscousSystem::fill(const ViscousFaces& faces) {
         });
 }
 
-void ViscousSystem::find_flux(
-    const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const PressureFaces& pressed, const SlipSolids* slip) {
+void ViscousSystem::find_flux(const Comm& comm, CellHalo& halo, const ViscousFaces& faces,
+    const PressureFaces& pressure_faces, const SlipSolids* slip) {
     flux_ = OpenFlux();
     if (!slip) return;
     owned_ = halo.owned();
     number_rows(comm, halo, faces);
-    OpenFlux::Scene scene{pressed, {}, slip->no_slip_fractions.open, faces.shear, {}};
+    OpenFlux::Scene scene{pressure_faces, {}, slip->no_slip_fractions.open, faces.shear, {}};
     for (int a = 0; a < 3; ++a) {
         for (int k = 0; k < 2; ++k) scene.closed_centre[a][k] = slip->closed_centre[a][k];
         scene.row_of[a] = row_of_[a];

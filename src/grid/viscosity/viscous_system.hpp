@@ -16,7 +16,7 @@ struct SlipSolids;
 class ViscousSystem {
 public:
     // Collective. flux() of volumes, for assemble() with such. `slip`: solids along which liquid slides, or none.
-    void find_flux(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const PressureFaces& pressed,
+    void find_flux(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, const PressureFaces& pressure_faces,
         const SlipSolids* slip);
     // Collective.
     void assemble(const Comm& comm, CellHalo& halo, const ViscousFaces& faces, int extra);
