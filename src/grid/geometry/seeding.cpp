@@ -14,7 +14,7 @@ std::int64_t seeded_ids(const MacGrid& grid) { return (grid.dimensions == 2 ? 4 
 
 namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int spread_layers = 4; // at a flat face that cuts sub-cells
+constexpr int spread_layers = 4; // at a face that cuts sub-cells
 
 // A counter-based random number in [-1, 1): the finaliser of SplitMix64 (Steele, Lea and Flood 2014) of a key.
 double random_number(std::uint64_t key) {
@@ -42,9 +42,9 @@ struct SubCell {
     SubCell shifted(std::size_t axis, int by) const;
 };
 
-// A flat face of a liquid across an axis, ahead of a sub-cell's middle.
-struct FlatFace {
-    double distance = infinity; // [m] of the middle, negative behind the face
+// Where a line along an axis through a sub-cell's middle leaves a liquid.
+struct Face {
+    double distance = infinity; // [m] from the middle, negative behind the face
     int side = 1;               // of the middle along the axis, 1 or -1
 
     bool found() const { return distance < infinity; }
@@ -115,22 +115,37 @@ private:
         for (int l = 0; l < liquid; ++l) out = std::max(out, -to_liquid(l, x));
         return out;
     }
-    // The face across an axis within `cutoff` [m] of the sub-cell's middle on one side, by steps as long as the distance to the surface; none
-    // where that is not flat, or oblique.
-    FlatFace face_at(const SubCell& sub_cell, int liquid, std::size_t axis, int side, double cutoff) const {
-        const auto at = [&](double distance) {
-            Vec3 x = sub_cell.middle;
-            x[axis] += side * distance;
-            return outside_liquid(x, liquid);
-        };
-        constexpr int most = 8; // steps; one is enough but where another face is nearer
-        const double near = 1e-3 * sub_cell.half[axis];
-        double distance = 0, remaining = at(0);
-        for (int i = 0; i < most && std::abs(remaining) > 1e-3 * near && distance < cutoff; ++i)
-            remaining = at(distance -= remaining);
-        if (std::abs(remaining) > 1e-3 * near || distance > cutoff || distance < -sub_cell.half[axis]) return {};
-        const bool flat = at(distance + near) - at(distance - near) > (2 - 1e-6) * near;
-        return flat ? FlatFace{distance, side} : FlatFace{};
+    // The face within `cutoff` [m] of the sub-cell's middle on one side of it along an axis, by Newton's method; none where the surface is
+    // steeper along another axis, along which its layers are spread then.
+    Face face_at(const SubCell& sub_cell, int liquid, std::size_t axis, int side, double cutoff) const {
+        const double near = 1e-3 * sub_cell.half[axis], least_slope = 0.3;
+        Vec3 x = sub_cell.middle;
+        constexpr int most = 12; // steps; one is enough where the surface is flat and across the axis
+        for (int i = 0; i < most; ++i) {
+            const double distance = side * (x[axis] - sub_cell.middle[axis]), remaining = outside_liquid(x, liquid);
+            if (distance > cutoff || distance < -sub_cell.half[axis]) return {};
+            const double slope = side * slope_of(x, liquid, axis, near);
+            if (std::abs(remaining) < 1e-3 * near)
+                return leads_out(x, liquid, axis, slope, near) ? Face{distance, side} : Face{};
+            x[axis] -=
+                side * remaining / (slope < least_slope ? 1 : slope); // where another face is nearer, by the distance
+        }
+        return {};
+    }
+    double slope_of(Vec3 x, int liquid, std::size_t axis, double near) const {
+        x[axis] += near;
+        const double ahead = outside_liquid(x, liquid);
+        x[axis] -= 2 * near;
+        return (ahead - outside_liquid(x, liquid)) / (2 * near);
+    }
+    // True where the distance rises along the axis by more than along any other, or as much as along one after it.
+    bool leads_out(const Vec3& x, int liquid, std::size_t axis, double slope, double near) const {
+        constexpr double round_off = 1e-6;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(dimensions_); ++k) {
+            const double most = slope + (k < axis ? -round_off : round_off);
+            if (k != axis && std::abs(slope_of(x, liquid, k, near)) > most) return false;
+        }
+        return true;
     }
     // Whether spread() may move the sub-cell's particle.
     bool near_surface(const SubCell& sub_cell, int liquid) const {
@@ -138,15 +153,15 @@ private:
                outside_liquid(sub_cell.middle, liquid) >= -spread_cutoff(sub_cell.width(0));
     }
     static double spread_cutoff(double width) { return (spread_layers + 1) * width; } // [m]
-    // Displacement along an axis [m] of a sub-cell's particle near a flat face that cuts sub-cells. Of these some hold a particle and
+    // Displacement along an axis [m] of a sub-cell's particle near a face that cuts sub-cells. Of these some hold a particle and
     // some do not: in each column the outer layers are spread evenly up to the face, or holes would leave it rough.
     double spread(const SubCell& sub_cell, int liquid, std::size_t axis) const {
         const double width = sub_cell.width(axis), cutoff = spread_cutoff(width);
-        const FlatFace ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
-                       behind = face_at(sub_cell, liquid, axis, -1, cutoff);
-        const FlatFace& face = behind.distance < ahead.distance ? behind : ahead;
+        const Face ahead = face_at(sub_cell, liquid, axis, 1, cutoff),
+                   behind = face_at(sub_cell, liquid, axis, -1, cutoff);
+        const Face& face = behind.distance < ahead.distance ? behind : ahead;
         if (!face.found()) return 0;
-        const FlatFace opposite = face_at(sub_cell, liquid, axis, -face.side, 2 * cutoff);
+        const Face opposite = face_at(sub_cell, liquid, axis, -face.side, 2 * cutoff);
         const double thickness = (face.distance + opposite.distance) / width;
         const int layers = std::min(spread_layers, int(std::min(thickness, 1e3) / 2) - 1);
         constexpr double round_off = 1e-6;

@@ -19,8 +19,8 @@ struct LinearVelocity {
 
 // Particles of a run: 2 per axis and cell, each at random around the middle of its share of the cell. Of shares that surfaces cut as many
 // hold a particle, evenly spread, as their liquid fills, so that a liquid has its volume at any spacing and offset, sheets down to
-// a quarter of a cell. At flat faces across an axis the layers up to the face are spread evenly in each column, so that faces are smooth at
-// any spacing (liquids made of meshes are left as they are). The random numbers are those of the cell and the share: particles and ids do
+// a quarter of a cell. The layers up to a surface are spread evenly in each column along the axis that the surface is steepest along, so that it is
+// smooth at any spacing (liquids made of meshes are left as they are). The random numbers are those of the cell and the share: particles and ids do
 // not depend on the ranks.
 struct Seeding {
     std::vector<scene::Regions> liquids;               // where two overlap, the first one wins

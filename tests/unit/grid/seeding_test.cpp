@@ -1,5 +1,7 @@
 #include "liquid.hpp"
 
+#include "base/median.hpp"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -75,6 +77,34 @@ TEST(Seeding, FlatFacesAreSmoothAtAnySpacing) {
             EXPECT_LT(depths[0], 0.9) << dx; // 1.7 where a hole is not spread
             EXPECT_GT(depths[1], 0.8) << dx;
         }
+    }
+}
+
+// As far as a round wall is seen from its side: the outermost particle of each layer, by the width of a part, the median of all layers.
+TEST(Seeding, RoundFacesAreSmoothAtAnySpacing) {
+    for (int k = 0; k < 12; ++k) {
+        const double dx = 0.0035 + 0.00021 * k, radius = 0.03, width = 0.5 * dx;
+        const MacGrid grid = make_mac_grid(test::make_domain(3, {0.08, 0.08, 0.06}, dx));
+        scene::Shape cylinder;
+        cylinder.kind = scene::ShapeKind::cylinder;
+        cylinder.centre = {0.04, 0.04, 0.025};
+        cylinder.axis = {0, 0, 1};
+        cylinder.radius = radius;
+        cylinder.height = 0.05;
+        GridParticles particles;
+        Seeding seeding;
+        seeding.liquids = {{scene::SolidRegion(cylinder)}};
+        seed(seeding, grid, Decomposition(Comm::self(), grid.cells), particles);
+        const auto x = on_host(particles.position());
+        std::map<int, double> farthest;
+        for (int i = 0; i < particles.store.owned(); ++i) {
+            const auto row = static_cast<std::size_t>(i);
+            auto& most = farthest[int(x(row, 2) / width)];
+            most = std::max(most, x(row, 0) - 0.04);
+        }
+        std::vector<double> depths;
+        for (const auto& [layer, most] : farthest) depths.push_back((radius - most) / width);
+        EXPECT_NEAR(upper_median(depths), 0.4, 0.08) << dx; // 0.13 to 0.33 where holes are not spread
     }
 }
 
