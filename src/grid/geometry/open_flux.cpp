@@ -3,6 +3,7 @@
 namespace treacle::grid {
 
 namespace {
+// Of the face beside along one axis; none where it is no row, or has no stress in common.
 struct WeightLoop {
     PressureFaces faces;
     CellBox box; // places with neighbours in the window

@@ -10,8 +10,8 @@ namespace treacle::grid {
 
 namespace {
 constexpr int most_entries = 15; // of a row: 1 + 6 of its axis + 8 of the others
-// Where fluxes take velocities of two faces beside: 15 + 16 + 16 faces of the 10 cells whose flux takes the row's, and 2 more of each.
-constexpr int most_interpolated_entries = 188;
+// Where fluxes take velocities of faces beside: 27 + 24 + 24 faces of the 18 cells whose flux may take the row's, and 3 more of each.
+constexpr int most_interpolated_entries = 300;
 
 struct NumberLoop {
     ViscousFaces faces;
