@@ -25,12 +25,9 @@ struct CentreLoop {
         for (int j = 0; j <= parts[1]; ++j) {
             for (int i = 0; i <= parts[0]; ++i) {
                 FaceSquare square;
+                square.set_nodes(nodes.dimensions, axis, c, i, j);
                 for (int k = 0; k < 4; ++k) {
-                    int* f = square.node[k];
-                    for (int axis_of = 0; axis_of < 3; ++axis_of) f[axis_of] = 2 * c[axis_of];
-                    f[u] += i + (k & 1);
-                    f[v] += j + (k >> 1);
-                    if (!up) f[2] = 0;
+                    const int* f = square.node[k];
                     square.distance[k] = solid(nodes.index(f[0], f[1], f[2]));
                 }
                 const auto part = square.closed(bends, (1 - i) + 2 * (1 - j));

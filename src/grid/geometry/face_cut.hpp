@@ -5,7 +5,7 @@
 // Parts of faces on the solid's side of its surface. A face is cut between fine nodes, each square of them as two triangles.
 namespace treacle::grid {
 
-// How the distance of solids bends along the lines between fine nodes.
+// Bends of the distance of solids along the lines between fine nodes.
 struct SolidBends {
     FineNodes nodes;
     Array<double> solid; // distances at the fine nodes [m]
@@ -111,7 +111,7 @@ struct BentTriangle {
     }
 
 private:
-    // Of an edge that crosses the surface once.
+    // Bend of an edge that crosses the surface once.
     KOKKOS_INLINE_FUNCTION double limited_bend(int from, int to) const {
         const double most = math::fabs(distance[to] - distance[from]);
         return math::max(-most, math::min(most, bend[from + to - 1]));
@@ -141,6 +141,15 @@ struct FaceSquare {
     int node[4][3];
     double distance[4];
 
+    // Part (i, j) of the lower face of cell c across an axis, 0 or 1 along the two after it.
+    KOKKOS_INLINE_FUNCTION void set_nodes(int dimensions, int axis, const int c[3], int i, int j) {
+        for (int k = 0; k < 4; ++k) {
+            for (int d = 0; d < 3; ++d) node[k][d] = 2 * c[d];
+            node[k][(axis + 1) % 3] += i + (k & 1);
+            node[k][(axis + 2) % 3] += j + (k >> 1);
+            if (dimensions == 2) node[k][2] = 0;
+        }
+    }
     // The part where the distance is negative; two triangles on either side of the diagonal from corner `start`, each of four.
     KOKKOS_INLINE_FUNCTION SquarePart closed(const SolidBends& bends, int start) const {
         SquarePart sum;

@@ -102,16 +102,9 @@ KOKKOS_INLINE_FUNCTION double open_fraction(
         for (int i = 0; i <= volumes.up[u]; ++i, ++count) {
             FaceSquare square;
             bool in_surface = true;
+            square.set_nodes(volumes.nodes.dimensions, axis, c, i, j);
             for (int k = 0; k < 4; ++k) {
-                int f[3] = {2 * c[0], 2 * c[1], 2 * c[2]};
-                f[u] += i;
-                f[v] += j;
-                int* corner = square.node[k];
-                for (int axis_of = 0; axis_of < 3; ++axis_of) corner[axis_of] = f[axis_of];
-                corner[u] += k & 1;
-                corner[v] += k >> 1;
-                if (!volumes.up[2]) f[2] = corner[2] = 0;
-                square.distance[k] = volumes.solid_beside(solid, corner, f, axis);
+                square.distance[k] = volumes.solid_beside(solid, square.node[k], square.node[0], axis);
                 in_surface = in_surface && math::fabs(square.distance[k]) < volumes.nodes.surface();
             }
             if (!in_surface)

@@ -3,17 +3,17 @@
 namespace treacle::grid {
 
 namespace {
-// Of the face beside along one axis; none where it is no row, or has no stress in common.
+// Weight of the face beside along one axis; none where it is no row, or has no stress in common.
 struct WeightLoop {
     PressureFaces faces;
     CellBox box; // places with neighbours in the window
     Array<double> closed_centre, no_slip_open;
     EdgeField shear;
     Array<int> row;
-    int axis, beside; // the axis across the face, and that of the face that shares its flux
+    int axis, beside; // the axis across the face, and that along which the other face is
     Array<double> out;
 
-    // How far the middle of the open part is from that of the face [cells], where the solid beside slides.
+    // Distance of the middle of the open part from that of the face [cells], where the solid beside slides.
     KOKKOS_INLINE_FUNCTION double offset(std::ptrdiff_t i) const {
         const double open = faces.open(axis, static_cast<std::size_t>(i));
         if (!(open > 0) || !(open < 1) || row(i) < 0 || no_slip_open(i) < 1) return 0;
@@ -31,7 +31,7 @@ struct WeightLoop {
     }
 };
 
-// Bilinear where the face beside along both axes is a row, too, else linear: a face's own share is a quarter at least, or nothing would be left
+// Bilinear weights where the face beside along both axes is a row, too, else linear: a face's own weight is a quarter at least, or nothing would be left
 // to it in a corner.
 struct DiagonalLoop {
     CellBox window, box;

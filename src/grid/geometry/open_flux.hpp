@@ -17,7 +17,7 @@ public:
         EdgeField shear;                   // of the viscous stresses, 0 where there is none
         Array<int> row_of[3];              // numbers of the faces with a velocity, negative: none
     };
-    // Collective. Two faces that share a flux have a stress between them, and so are in each other's halo.
+    // Collective. Two faces in one flux have a stress between them, and so are in each other's halo.
     void find(const Comm& comm, const Scene& scene);
     // True where any flux takes more than its own face's velocity. The same on every rank.
     bool interpolates() const { return interpolates_; }
@@ -50,7 +50,7 @@ private:
                 use(first, second, first * stride_[along[0]] + second * stride_[along[1]]);
         }
     }
-    // Share of the face a step beside in the flux through face j.
+    // Weight of the face a step beside in the flux through face j.
     KOKKOS_INLINE_FUNCTION double weight(int a, std::ptrdiff_t j, int first, int second) const {
         if (!interpolates_) return 1;
         const double to_first = weight_[a][0](j), to_second = weight_[a][1](j), both = diagonal_[a](j);
@@ -63,8 +63,8 @@ private:
     std::ptrdiff_t stride_[3]{1, 1, 1};
     int dimensions_ = 3;
     bool interpolates_ = false;
-    Array<double> weight_[3][2]; // [window] share of the faces after along axis a + 1 + k, < 0: of those before
-    Array<double> diagonal_[3];  // [window] share of the face that is beside along both
+    Array<double> weight_[3][2]; // [window] of the faces after along axis a + 1 + k, < 0: of those before
+    Array<double> diagonal_[3];  // [window] of the face that is beside along both
 };
 
 } // namespace treacle::grid

@@ -42,7 +42,7 @@ struct SubCell {
     SubCell shifted(std::size_t axis, int by) const;
 };
 
-// Where a line along an axis through a sub-cell's middle leaves a liquid.
+// Place where a line along an axis through a sub-cell's middle leaves a liquid.
 struct Face {
     double distance = infinity; // [m] from the middle, negative behind the face
     int side = 1;               // of the middle along the axis, 1 or -1
@@ -147,7 +147,7 @@ private:
         }
         return true;
     }
-    // Whether spread() may move the sub-cell's particle.
+    // True where spread() may move the sub-cell's particle.
     bool near_surface(const SubCell& sub_cell, int liquid) const {
         return without_meshes_[static_cast<std::size_t>(liquid)] &&
                outside_liquid(sub_cell.middle, liquid) >= -spread_cutoff(sub_cell.width(0));

@@ -74,12 +74,8 @@ void PressureComponents::number(const Comm& comm, std::int64_t first_row) {
 }
 
 void PressureComponents::weigh(const solve::CsrBlocks& matrix) {
-    weights_.assign(static_cast<std::size_t>(matrix.rows), 0.0);
-    for (int i = 0; i < matrix.rows; ++i) {
-        for (int k = matrix.diagonal_offsets[i]; k < matrix.diagonal_offsets[i + 1]; ++k) {
-            if (matrix.diagonal_columns[k] == i) weights_[static_cast<std::size_t>(i)] = matrix.diagonal_values[k];
-        }
-    }
+    weights_.clear();
+    for (int i = 0; i < matrix.rows; ++i) weights_.push_back(matrix.diagonal(i));
 }
 
 void PressureComponents::find_relief(
@@ -112,11 +108,8 @@ void PressureComponents::anchor(const Comm& comm, const solve::CsrBlocks& matrix
         const auto row = static_cast<int>(labels_[p] - matrix.first_row);
         if (row < 0 || row >= matrix.rows) continue;
         const double weight = weights_[static_cast<std::size_t>(row)];
-        for (int k = matrix.diagonal_offsets[row]; k < matrix.diagonal_offsets[row + 1]; ++k) {
-            if (matrix.diagonal_columns[k] != row) continue;
-            matrix.diagonal_values[k] += weight;
-            if (relief_.relieved(p)) unpinned_.push_back({row, weight});
-        }
+        matrix.diagonal(row) += weight;
+        if (relief_.relieved(p)) unpinned_.push_back({row, weight});
     }
 }
 

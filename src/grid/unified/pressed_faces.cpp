@@ -47,9 +47,9 @@ struct FluxLoop {
     }
 };
 
-// Rows of the faces that share a flux with each row's, and how much of it: those whose velocity its flux takes, then those whose flux takes
+// Rows of the faces in one flux with each row's, and their weights: those whose velocity its flux takes, then those whose flux takes
 // its own.
-constexpr int most_taken = 3, most_taking = 8, most_sharing = most_taken + most_taking;
+constexpr int most_taken = 3, most_taking = 8, most_others = most_taken + most_taking;
 struct NeighbourLoop {
     OpenFlux flux;
     Array<int> face_of, row_of[3], rows;
@@ -58,8 +58,8 @@ struct NeighbourLoop {
     KOKKOS_INLINE_FUNCTION void operator()(int r) const {
         const int a = face_of(r) % 3;
         const std::ptrdiff_t i = face_of(r) / 3;
-        int taken = most_sharing * r, taking = taken + most_taken;
-        for (int k = taken; k < taken + most_sharing; ++k) rows(k) = -1;
+        int taken = most_others * r, taking = taken + most_taken;
+        for (int k = taken; k < taken + most_others; ++k) rows(k) = -1;
         flux.each_taken(a, i, [&](std::ptrdiff_t j, double weight) { add(taken, row_of[a](j), j != i, weight); });
         flux.each_taking(a, i, [&](std::ptrdiff_t j, double weight) { add(taking, row_of[a](j), j != i, weight); });
     }
@@ -127,7 +127,7 @@ void PressedFaces::find_flux(const ViscousSystem& viscous, const PressureSystem&
 
 void PressedFaces::find_neighbours(const ViscousSystem& viscous) {
     const auto n = static_cast<std::size_t>(faces_);
-    const std::size_t all = most_sharing * n;
+    const std::size_t all = most_others * n;
     reserve(rows_, all);
     reserve(values_, all);
     Kokkos::parallel_for("treacle::pressed_neighbours", faces_,
@@ -138,8 +138,8 @@ void PressedFaces::find_neighbours(const ViscousSystem& viscous) {
     const LocalColumns local_column{static_cast<int>(viscous.first_row()), faces_, of_faces_->columns()};
     for (std::size_t k = 0; k < all; ++k) {
         if (rows(k) < 0) continue;
-        const Neighbour found{static_cast<int>(k / most_sharing), local_column(rows(k)), values(k)};
-        (k % most_sharing < most_taken ? taken_ : given_).push_back(found);
+        const Neighbour found{static_cast<int>(k / most_others), local_column(rows(k)), values(k)};
+        (k % most_others < most_taken ? taken_ : given_).push_back(found);
     }
 }
 

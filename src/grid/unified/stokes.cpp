@@ -116,14 +116,12 @@ void Stokes::weigh(const System& system) {
     std::copy_n(stiffness.data(), m, stiffness_.begin());
     const auto volume_stiffness = on_host(volumes_.stiffness_by_row());
     volume_stiffness_.assign(volume_stiffness.data(), volume_stiffness.data() + m);
-    const auto diagonal = [](const solve::CsrBlocks& rows, std::size_t r) {
-        int k = rows.diagonal_offsets[r];
-        while (rows.diagonal_columns[k] != static_cast<int>(r)) ++k;
-        return rows.diagonal_values[k];
+    const auto diagonal = [](const solve::Matrix& matrix, std::size_t r) {
+        return matrix.blocks().diagonal(static_cast<solve::Index>(r));
     };
-    for (std::size_t r = 0; r < n; ++r) weights_[r] = 1 / diagonal(parts.viscous.matrix().blocks(), r);
+    for (std::size_t r = 0; r < n; ++r) weights_[r] = 1 / diagonal(parts.viscous.matrix(), r);
     for (std::size_t r = 0; r < m; ++r) {
-        weights_[n + r] = inertia / diagonal(parts.pressure.matrix().blocks(), r) + stiffness_[r];
+        weights_[n + r] = inertia / diagonal(parts.pressure.matrix(), r) + stiffness_[r];
     }
 }
 

@@ -10,7 +10,7 @@ namespace treacle::grid {
 
 namespace {
 constexpr int most_entries = 15; // of a row: 1 + 6 of its axis + 8 of the others
-// Where fluxes take velocities of faces beside: 27 + 24 + 24 faces of the 18 cells whose flux may take the row's, and 3 more of each.
+// The same where fluxes take velocities of faces beside: 27 + 24 + 24 faces of the 18 cells whose flux may take the row's, and 3 more of each.
 constexpr int most_interpolated_entries = 300;
 
 struct NumberLoop {

@@ -21,7 +21,7 @@ struct StiffnessLoop {
     double face, factor; // [m2], of a 2D scene [m]
     Array<double> by_row, stiffness_by_row, stiffness;
 
-    // Of a face's own stresses against its velocity.
+    // Resistance of a face's own stresses against its velocity.
     KOKKOS_INLINE_FUNCTION double resistance(int a, std::ptrdiff_t i) const {
         double stress = 0;
         viscous.each_stress(a, i, viscous.normal, viscous.shear, [&](double w) { stress += w; });

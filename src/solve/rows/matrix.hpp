@@ -26,6 +26,13 @@ struct CsrBlocks {
     Index first_row = 0;               // global number of this rank's first row
     Index rows = 0;                    // rows on this rank, may be 0
     Index global_rows = 0;
+
+    // Diagonal entry of a row, which every row has.
+    double& diagonal(Index row) const {
+        Index k = diagonal_offsets[row];
+        while (diagonal_columns[k] != row) ++k;
+        return diagonal_values[k];
+    }
 };
 
 // Throws std::logic_error, naming the row, when the pattern breaks the rules above. Local.
