@@ -156,10 +156,9 @@ void GridStep::update_geometry() {
     solids_.update(cells_halo_, bodies_);
     level_set_.build(grid_, cells_halo_, particles_, cells_, solids_);
     sample_level_set_at_centres();
-    fraction_builder_.build(solids_.nodes(), solids_.distance(), level_set_.distance(), setup_.options.fractions,
-        fractions_, solids_.walls());
+    fraction_builder_.build(solids_, level_set_.distance(), setup_.options.fractions, fractions_);
     resting_.find(solids_, fraction_builder_, bodies_);
-    if (slip_.any()) closed_centres_.find(solids_.nodes(), solids_.distance());
+    if (slip_.any()) closed_centres_.find(solids_);
     if (!bodies_.any_moves()) { // what rests has no fractions, but the lists of the faces are read
         const auto faces = static_cast<std::size_t>(cells_halo_.window().size()) + 1;
         for (auto& of : body_fractions_) {

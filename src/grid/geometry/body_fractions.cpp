@@ -47,18 +47,17 @@ KOKKOS_INLINE_FUNCTION void find_body_fractions(
         const double volume =
             (1 - (row < 0 ? fractions_of(row).fluid : parts.parts(24 * std::int64_t(row) + 3 * own))) / used;
         if (volume <= 0) continue;
-        double total = 0;
-        for (int pass = 0; pass < 2; ++pass) {
-            for (int k = 0; k < 8; ++k) {
-                const int z = volumes.up[2] ? f[2] + (k >> 2) : 0;
-                const int at = volumes.nodes.index(f[0] + (k & 1), f[1] + (k >> 1 & 1), z);
-                const double depth = -solids.distance(at);
-                if (depth <= 0) continue;
-                if (pass == 0)
-                    total += depth;
-                else if (solids.number(at) >= 0 && solids.moves(solids.number(at)))
-                    out.add(solids.number(at), volume * depth / total);
-            }
+        double depth[8], total = 0;
+        int number[8];
+        volumes.each_corner(f, 1, [&](int k, const int corner[3]) {
+            const int at = volumes.nodes.index(corner[0], corner[1], corner[2]);
+            depth[k] = math::max(0.0, -solids.distance(at));
+            number[k] = solids.number(at);
+            total += depth[k];
+        });
+        for (int k = 0; k < 8; ++k) {
+            if (depth[k] > 0 && number[k] >= 0 && solids.moves(number[k]))
+                out.add(number[k], volume * depth[k] / total);
         }
     }
 }
@@ -72,8 +71,7 @@ void count_body_fractions(const PartSum& parts, const NodeSolids& solids, int ax
             BodyList found;
             if (parts.volumes.has_volumes(c)) {
                 const int kind = parts.kind(c);
-                if (kind == cut_kind || fractions_of(kind).fluid == 0)
-                    find_body_fractions(parts, solids, axis, c, found);
+                if (kind >= 0 || fractions_of(kind).fluid == 0) find_body_fractions(parts, solids, axis, c, found);
             }
             first(i) = found.count;
         });
@@ -100,7 +98,7 @@ void write_body_fractions(const PartSum& parts, const NodeSolids& solids, int ax
 void FractionBuilder::build_body_fractions(const FineNodes& nodes, const Array<double>& solid, const Array<int>& number,
     const Array<int>& moves, BodyFractions body_fractions[3]) const {
     const auto n = static_cast<std::size_t>(nodes.window.size());
-    const PartSum parts{ControlVolumes(nodes, {}), slot_, parts_};
+    const PartSum parts{ControlVolumes(nodes, {}), slot_, dry_, parts_};
     const NodeSolids solids{solid, number, moves};
     for (int a = 0; a < nodes.dimensions; ++a) {
         reserve(body_fractions[a].first, n + 1);

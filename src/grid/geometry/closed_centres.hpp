@@ -1,6 +1,5 @@
 #pragma once
-#include "grid/mac/fine_nodes.hpp"
-#include "grid/mac/mac_grid.hpp"
+#include "grid/geometry/solids.hpp"
 
 namespace treacle::grid {
 
@@ -9,7 +8,9 @@ namespace treacle::grid {
 // velocity at the centres of the solid parts (the rest of their border is the surface).
 class ClosedCentres {
 public:
-    // Local, of all faces of the window that have their parts in it. `solid`: distances at the fine nodes [m].
+    // Local, of all faces of the solids' window that have their parts in it; nothing is done where the distances are those of the last call.
+    void find(const Solids& solids);
+    // `solid`: distances at the fine nodes [m].
     void find(const FineNodes& nodes, const Array<double>& solid);
     // [window] from the middle of the faces across `axis`, along axis + 1 + k (k = 0, 1) [cells].
     const Array<double>& offset(int axis, int k) const { return offset_[axis][k]; }
@@ -17,6 +18,8 @@ public:
 
 private:
     Array<double> offset_[3][2];
+    std::int64_t changes_ = -1; // Solids::changes() that they are of
+    Array<int> sides_{"treacle::sides_of_solids", 0};
 };
 
 } // namespace treacle::grid

@@ -10,6 +10,8 @@ struct SolidBends {
     FineNodes nodes;
     Array<double> solid; // distances at the fine nodes [m]
 
+    // No line in a face bends by more [m], a diagonal's being the most.
+    KOKKOS_INLINE_FUNCTION double most_bend() const { return 0.5 * nodes.width; }
     KOKKOS_INLINE_FUNCTION bool in_window(const int f[3]) const {
         for (int k = 0; k < nodes.dimensions; ++k) {
             if (f[k] < 2 * nodes.window.lo[k] || f[k] >= 2 * nodes.window.hi[k]) return false;
@@ -27,7 +29,7 @@ struct SolidBends {
         const double at_a = solid(nodes.index(before[0], before[1], before[2])) - 2 * da + db;
         const double at_b = da - 2 * db + solid(nodes.index(after[0], after[1], after[2]));
         const int axes = (a[0] != b[0]) + (a[1] != b[1]) + (a[2] != b[2]);
-        const double most = 0.25 * axes * nodes.width;
+        const double most = 0.5 * axes * most_bend();
         if (!(at_a * at_b > 0) || math::fabs(at_a) > most || math::fabs(at_b) > most) return 0;
         return 2 * at_a * at_b / (at_a + at_b);
     }
@@ -153,6 +155,11 @@ struct FaceSquare {
     // The part where the distance is negative; two triangles on either side of the diagonal from corner `start`, each of four.
     KOKKOS_INLINE_FUNCTION SquarePart closed(const SolidBends& bends, int start) const {
         SquarePart sum;
+        if (is_far(bends.most_bend())) {
+            constexpr double middle[2] = {0.5, 0.5};
+            if (distance[0] < 0) sum.add(1, middle);
+            return sum;
+        }
         for (int t = 1; t <= 2; ++t) {
             const int at[3] = {start, t ^ start, 3 ^ start};
             const BentTriangle whole = triangle(bends, at);
@@ -166,6 +173,15 @@ struct FaceSquare {
     }
 
 private:
+    // True where the surface is farther than `bend` from all nodes, on one side of them.
+    KOKKOS_INLINE_FUNCTION bool is_far(double bend) const {
+        bool outside = true, inside = true;
+        for (const double d : distance) {
+            outside = outside && d > bend;
+            inside = inside && d < -bend;
+        }
+        return outside || inside;
+    }
     KOKKOS_INLINE_FUNCTION BentTriangle triangle(const SolidBends& bends, const int at[3]) const {
         BentTriangle out;
         for (int i = 0; i < 3; ++i) {

@@ -9,6 +9,7 @@ constexpr int kinds = 4;
 constexpr int kind_of(bool liquid, bool solid) { return -1 - (liquid ? 1 : 0) - (solid ? 2 : 0); }
 constexpr int empty_kind = kind_of(false, false);
 constexpr int cut_kind = 0;              // in written_: cut by a surface
+constexpr int dry_kind = 1;              // in written_: cut by that of solids, without liquid
 constexpr int unknown_kind = -1 - kinds; // in written_: never written
 
 // Fractions of a cell of one sort all through; `kind` is one of kind_of().
@@ -95,6 +96,7 @@ struct ControlVolumes {
 struct PartSum {
     ControlVolumes volumes;
     Array<int> slot;     // [window] >= 0: row of parts; below: kind of the whole cell
+    Array<int> dry;      // [window] 1: no node of the cell is in the liquid
     Array<double> parts; // [rows][8][3] fluid, liquid, wet of each part of a cut cell [1]
 
     // `node`: bit k: the cube is at the lower end of its cell along axis k.
@@ -124,18 +126,21 @@ struct PartSum {
         }
         return {sum.fluid / used, sum.liquid / used, sum.wet / used};
     }
-    // The kind of all cells that the cubes of cell c are part of, or cut_kind.
+    // The kind of all cells that the cubes of cell c are part of, or cut_kind, or dry_kind.
     KOKKOS_INLINE_FUNCTION int kind(const int c[3]) const {
-        const int first = slot(volumes.nodes.window.index(c[0], c[1], c[2]));
-        if (first >= 0) return cut_kind;
+        const CellBox& window = volumes.nodes.window;
+        const int first = slot(window.index(c[0], c[1], c[2]));
+        bool same = first < 0, is_dry = true;
         for (int z = -volumes.up[2]; z <= 0; ++z) {
             for (int y = -1; y <= 0; ++y) {
                 for (int x = -1; x <= 0; ++x) {
-                    if (slot(volumes.nodes.window.index(c[0] + x, c[1] + y, c[2] + z)) != first) return cut_kind;
+                    const auto at = window.index(c[0] + x, c[1] + y, c[2] + z);
+                    same = same && slot(at) == first;
+                    is_dry = is_dry && dry(at) != 0;
                 }
             }
         }
-        return first;
+        return same ? first : is_dry ? dry_kind : cut_kind;
     }
 };
 

@@ -27,7 +27,8 @@ void find_signs(
 }
 
 // Slots of the cells: for those of one kind the kind, for the others a row of the parts. Returns the number of rows.
-std::size_t find_kinds(const ControlVolumes& volumes, const Array<int>& signs, const Array<int>& slot) {
+std::size_t find_kinds(
+    const ControlVolumes& volumes, const Array<int>& signs, const Array<int>& slot, const Array<int>& dry) {
     int mixed = 0;
     const CellBox window = volumes.nodes.window;
     Kokkos::parallel_scan(
@@ -46,7 +47,10 @@ std::size_t find_kinds(const ControlVolumes& volumes, const Array<int>& signs, c
                 bits = 2 | 8;
             }
             const bool cut = (bits & 3) == 3 || (bits & 12) == 12;
-            if (last) slot(i) = cut ? row : kind_of((bits & 4) != 0, (bits & 1) != 0);
+            if (last) {
+                slot(i) = cut ? row : kind_of((bits & 4) != 0, (bits & 1) != 0);
+                dry(i) = bits & 4 ? 0 : 1;
+            }
             row += cut ? 1 : 0;
         },
         mixed);
@@ -147,22 +151,25 @@ struct Writer {
     }
 };
 
-// Writes the cubes of each cell; what is of one kind and was so before stays.
-void sum_parts(const PartSum& parts, const Array<double>& solid, const Writer& writer, const Array<int>& written) {
+// Writes the cubes of each cell; what is of one kind and was so before stays, and with the same solids what has no liquid.
+void sum_parts(const PartSum& parts, const Array<double>& solid, bool same_solids, const Writer& writer,
+    const Array<int>& written) {
     const CellBox window = parts.volumes.nodes.window;
     Kokkos::parallel_for(
         "treacle::sum_parts", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             window.cell(i, c);
             const int kind = parts.volumes.has_volumes(c) ? parts.kind(c) : empty_kind;
-            if (kind != cut_kind) {
+            if (kind < 0) {
                 if (written(i) == kind) return;
                 writer.all(i, fractions_of(kind));
             } else {
+                const bool same = same_solids && written(i) >= 0;
+                if (same && kind == dry_kind && written(i) == dry_kind) return;
                 writer.cell(i, parts.at(c, 0));
                 for (int a = 0; a < writer.dimensions; ++a) {
                     writer.face(a, i, parts.at(c, face_node(a)));
-                    writer.out.open.axis[a](i) = open_fraction(parts.volumes, solid, a, c);
+                    if (!same) writer.out.open.axis[a](i) = open_fraction(parts.volumes, solid, a, c);
                 }
                 for (int a = 0; a < 3; ++a) {
                     if (writer.has_edge(a)) writer.edge(a, i, parts.at(c, edge_node(a, writer.dimensions)));
@@ -218,7 +225,7 @@ void reserve_fractions(Fractions& out, int dimensions, std::size_t n) {
 } // namespace
 
 void FractionBuilder::build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid,
-    FractionMethod method, Fractions& out, const WallPlanes& walls) {
+    FractionMethod method, Fractions& out, const WallPlanes& walls, std::int64_t changes) {
     const auto n = static_cast<std::size_t>(nodes.window.size());
     reserve_fractions(out, nodes.dimensions, n);
     const ControlVolumes volumes(nodes, walls);
@@ -228,17 +235,19 @@ void FractionBuilder::build(const FineNodes& nodes, const Array<double>& solid, 
     const bool same = same_cells(filled_, nodes.window) && filled_data_ == out.cell_fluid.data();
     if (!same) Kokkos::deep_copy(written_, unknown_kind);
     reserve(signs_, n);
+    reserve(dry_, n);
     find_signs(nodes, solid, liquid, signs_);
-    mixed_ = find_kinds(volumes, signs_, slot_);
+    mixed_ = find_kinds(volumes, signs_, slot_, dry_);
     reserve(parts_, 24 * mixed_);
-    const PartSum parts{volumes, slot_, parts_};
+    const PartSum parts{volumes, slot_, dry_, parts_};
     clip_parts(parts, solid, liquid, method);
     if (method == FractionMethod::independent) {
         fill_independent(volumes, solid, liquid, writer);
         Kokkos::deep_copy(written_, unknown_kind);
     } else {
-        sum_parts(parts, solid, writer, written_);
+        sum_parts(parts, solid, changes >= 0 && changes == changes_, writer, written_);
     }
+    changes_ = changes;
     filled_ = nodes.window;
     filled_data_ = out.cell_fluid.data();
 }

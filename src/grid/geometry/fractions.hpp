@@ -19,8 +19,12 @@ public:
     // there is no liquid and no solid: wet = liquid = 0, fluid = open = 1. Arrays grow as they must. Local: no messages.
     // `walls`: sides of the domain that `solid` has, or none: beside those that lie on nodes bodies are cut by their own distance, since the nodes
     // there have that of the wall, zero, and a body that meets it would be rounded off.
+    // `changes`: Solids::changes() of `solid`; what depends on them alone is kept where they are as they were. -1: not known.
     void build(const FineNodes& nodes, const Array<double>& solid, const Array<double>& liquid, FractionMethod method,
-        Fractions& out, const WallPlanes& walls = {});
+        Fractions& out, const WallPlanes& walls = {}, std::int64_t changes = -1);
+    void build(const Solids& solids, const Array<double>& liquid, FractionMethod method, Fractions& out) {
+        build(solids.nodes(), solids.distance(), liquid, method, out, solids.walls(), solids.changes());
+    }
 
     // Shares of the bodies that move in the cubes around the faces across each axis, as build() found the fluid's, of the
     // same window. Solid parts of half-width cubes belong to the solid nearest to their corners.
@@ -33,9 +37,11 @@ public:
 private:
     Array<int> signs_{"treacle::fraction_signs", 0};
     Array<int> slot_{"treacle::fraction_slot", 0};       // [window] >= 0: row of parts_; below: one kind all through
-    Array<int> written_{"treacle::fraction_written", 0}; // [window] the kind that `out` holds, or `cut_place`
+    Array<int> dry_{"treacle::fraction_dry", 0};         // [window] 1: no node of the cell is in the liquid
+    Array<int> written_{"treacle::fraction_written", 0}; // [window] the kind that `out` holds
     Array<double> parts_{"treacle::fraction_parts", 0};  // [mixed cells][8][fluid, liquid, wet]
     std::size_t mixed_ = 0;
+    std::int64_t changes_ = -1;           // of the solids that written_ is about
     CellBox filled_;                      // window that written_ is about
     const double* filled_data_ = nullptr; // and the arrays
 };

@@ -262,11 +262,12 @@ void continue_layer(const SolidNodes& inside, int layer, const Array<double>& va
     const FineNodes nodes = inside.nodes;
     const auto solid = inside.solid;
     const auto found = inside.found;
+    const double deepest = (layer + 1e-6) * nodes.width; // that as many steps along the axes lead to from the surface
     Kokkos::parallel_for(
         "treacle::continue_liquid", inside.count, KOKKOS_LAMBDA(int i) {
             const int at = inside.list(i), corner = at % FineNodes::per_cell;
-            if (found(at) < layer) return;
             const double here = solid(at);
+            if (found(at) < layer || here < -deepest) return;
             int c[3];
             nodes.window.cell(at / FineNodes::per_cell, c);
             double sum = 0, weights = 0;

@@ -282,6 +282,12 @@ void Solids::follow_window(const CellBox& window, const rigid::RigidBodies& bodi
 }
 
 bool Solids::update(const CellHalo& halo, const rigid::RigidBodies& bodies) {
+    const bool changed = follow(halo, bodies);
+    changes_ += changed ? 1 : 0;
+    return changed;
+}
+
+bool Solids::follow(const CellHalo& halo, const rigid::RigidBodies& bodies) {
     const bool anew = !same_cells(nodes_.window, halo.window());
     if (anew) follow_window(halo.window(), bodies);
     upload_motion(bodies);

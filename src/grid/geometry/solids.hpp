@@ -4,6 +4,7 @@
 #include "mpi/cell_halo.hpp"
 #include "rigid/bodies.hpp"
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,8 @@ public:
 
     // Follows the window of the halo and the poses of the bodies. Returns whether any distance changed. Local.
     bool update(const CellHalo& halo, const rigid::RigidBodies& bodies);
+    // How often update() changed any distance: what was found of them is right as long as this is as it was.
+    std::int64_t changes() const { return changes_; }
 
     // Fields as of the last update().
     const FineNodes& nodes() const { return nodes_; }
@@ -54,6 +57,7 @@ public:
     double distance_at(const Vec3& x, const rigid::RigidBodies& bodies) const;
 
 private:
+    bool follow(const CellHalo& halo, const rigid::RigidBodies& bodies);
     void follow_window(const CellBox& window, const rigid::RigidBodies& bodies);
     void add_bodies(const rigid::RigidBodies& bodies, bool moving, const CellBox& cells);
     void upload_motion(const rigid::RigidBodies& bodies);
@@ -62,6 +66,7 @@ private:
     WallPlanes walls_;
     std::vector<char> counted_;
     double band_ = 0;
+    std::int64_t changes_ = 0;
     FineNodes nodes_;
     Array<double> distance_{"treacle::solid_distance", 0}, resting_{"treacle::resting_distance", 0};
     Array<int> number_{"treacle::solid_number", 0}, resting_number_{"treacle::resting_number", 0};

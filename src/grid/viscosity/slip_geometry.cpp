@@ -105,8 +105,7 @@ void SlipGeometry::update(const CellHalo& halo, const rigid::RigidBodies& bodies
         for (int k = 0; k < 2; ++k) slip_.closed_centre[a][k] = closed.offset(a, k);
     }
     no_slip_.update(halo, bodies);
-    builder_.build(
-        no_slip_.nodes(), no_slip_.distance(), liquid.distance(), method, slip_.no_slip_fractions, no_slip_.walls());
+    builder_.build(no_slip_, liquid.distance(), method, slip_.no_slip_fractions);
     if (bodies.size() > 0) {
         builder_.build_body_fractions(
             no_slip_.nodes(), no_slip_.distance(), no_slip_.number(), no_slip_.moves(), body_fractions_.data());
