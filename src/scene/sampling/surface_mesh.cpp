@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 
 namespace treacle::scene {
 namespace {
@@ -47,7 +48,26 @@ public:
     double volume() const override { return volume_; }
     double area() const override { return area_; }
 
+    // Layers are found once: checks, contacts, output and solids ask for the same ones.
     SurfaceSamples sample(const SurfaceSampling& sampling) const override {
+        const std::lock_guard lock(layers_mutex_);
+        auto& layer = layers_[{sampling.spacing, sampling.inset}];
+        if (!layer) layer = find_layer(sampling);
+        return *layer;
+    }
+
+    SurfaceSamples scatter(const SurfaceSampling& sampling) const override {
+        constexpr double per_square = 2; // chance gaps are then no wider than a spacing
+        SurfaceSamples result;
+        sample_triangles(per_square / (sampling.spacing * sampling.spacing), 0, [&](const Vec3& c, const Vec3& n) {
+            result.positions.push_back(c);
+            result.normals.push_back(n);
+        });
+        return result;
+    }
+
+private:
+    SurfaceSamples find_layer(const SurfaceSampling& sampling) const {
         const double d = sampling.spacing;
         std::vector<Vec3> candidates;
         std::vector<Vec3> stuck; // in the middle of thin parts
@@ -56,7 +76,7 @@ public:
             if (s) (s->thin ? stuck : candidates).push_back(s->point);
         });
         PoissonDiskLayer layer(
-            d, [&](const Vec3& x, double tolerance) { return project(*this, x, sampling.inset, tolerance); });
+            d, [&](const Vec3& x, double tolerance) { return settle(x, sampling.inset, tolerance); });
         layer.choose(candidates, stuck);
         layer.relax();
         layer.fill(candidates);
@@ -75,20 +95,13 @@ public:
         return result;
     }
 
-    SurfaceSamples scatter(const SurfaceSampling& sampling) const override {
-        constexpr double per_square = 2; // chance gaps are then no wider than a spacing
-        SurfaceSamples result;
-        sample_triangles(per_square / (sampling.spacing * sampling.spacing), 0, [&](const Vec3& c, const Vec3& n) {
-            result.positions.push_back(c);
-            result.normals.push_back(n);
-        });
-        return result;
+    std::optional<Vec3> settle(const Vec3& x, double inset, double tolerance) const {
+        if (inset == 0) return tree_.closest(x).point;
+        return project(*this, x, inset, tolerance);
     }
-
-private:
     int sign_at(const Vec3& x) const { return tree_.winding(x) > 0.5 ? -1 : 1; }
 
-    // settle(), with a short cut: where c stays the closest point, nothing is in between.
+    // project_to_inset(), with a short cut: where c stays the closest point, nothing is in between.
     std::optional<InsetPoint> lower(const Vec3& c, const Vec3& n, const SurfaceSampling& sampling) const {
         if (sampling.inset == 0) return InsetPoint{c, false};
         const Vec3 p = c - sampling.inset * n;
@@ -161,6 +174,8 @@ private:
     double volume_, area_, size_;
     std::vector<Vec3> vertex_normals_;
     std::vector<std::array<Vec3, 3>> edge_normals_; // of the edge from corner c to c + 1
+    mutable std::map<std::pair<double, double>, std::optional<SurfaceSamples>> layers_; // by spacing and inset [m]
+    mutable std::mutex layers_mutex_;
 };
 
 } // namespace
