@@ -68,14 +68,42 @@ KOKKOS_INLINE_FUNCTION void find_body_fractions(
     }
 }
 
-void count_body_fractions(const PartSum& parts, const NodeSolids& solids, int axis, const Array<int>& first) {
+// Marks the cells that have nodes in bodies that move.
+void mark_cells(const FineNodes& nodes, const NodeSolids& solids, const Array<int>& marked) {
+    const int used = nodes.used();
+    Kokkos::parallel_for(
+        "treacle::cells_of_bodies", static_cast<int>(nodes.window.size()), KOKKOS_LAMBDA(int i) {
+            bool any = false;
+            for (int at = FineNodes::per_cell * i; at < FineNodes::per_cell * i + used; ++at) {
+                any = any || (solids.distance(at) < 0 && solids.number(at) >= 0 && solids.moves(solids.number(at)));
+            }
+            marked(i) = any ? 1 : 0;
+        });
+}
+
+// True where the cube around the lower face of cell c across an axis has nodes of marked cells.
+KOKKOS_INLINE_FUNCTION bool any_marked(
+    const ControlVolumes& volumes, const Array<int>& marked, int axis, const int c[3]) {
+    const int from[3] = {c[0] - (axis == 0), c[1] - (axis == 1), c[2] - (axis == 2)};
+    for (int z = from[2]; z <= c[2] + volumes.up[2]; ++z) {
+        for (int y = from[1]; y <= c[1] + 1; ++y) {
+            for (int x = from[0]; x <= c[0] + 1; ++x) {
+                if (marked(volumes.nodes.window.index(x, y, z)) != 0) return true;
+            }
+        }
+    }
+    return false;
+}
+
+void count_body_fractions(
+    const PartSum& parts, const NodeSolids& solids, const Array<int>& marked, int axis, const Array<int>& first) {
     const CellBox window = parts.volumes.nodes.window;
     Kokkos::parallel_for(
         "treacle::count_body_fractions", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
             window.cell(i, c);
             BodyList found;
-            if (parts.volumes.has_volumes(c)) {
+            if (parts.volumes.has_volumes(c) && any_marked(parts.volumes, marked, axis, c)) {
                 const int kind = parts.kind(c);
                 if (kind >= 0 || fractions_of(kind).fluid == 0) find_body_fractions(parts, solids, axis, c, found);
             }
@@ -106,9 +134,11 @@ void FractionBuilder::build_body_fractions(const FineNodes& nodes, const Array<d
     const auto n = static_cast<std::size_t>(nodes.window.size());
     const PartSum parts{ControlVolumes(nodes, {}), slot_, dry_, parts_};
     const NodeSolids solids{solid, number, moves};
+    const auto marked = signs_; // of no use after build()
+    mark_cells(nodes, solids, marked);
     for (int a = 0; a < nodes.dimensions; ++a) {
         reserve(body_fractions[a].first, n + 1);
-        count_body_fractions(parts, solids, a, body_fractions[a].first);
+        count_body_fractions(parts, solids, marked, a, body_fractions[a].first);
         const auto entries = static_cast<std::size_t>(counts_to_offsets(body_fractions[a].first, static_cast<int>(n)));
         reserve(body_fractions[a].body, entries);
         reserve(body_fractions[a].fraction, entries);

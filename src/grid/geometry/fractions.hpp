@@ -35,7 +35,7 @@ public:
     std::size_t mixed_cells() const { return mixed_; } // of the last build
 
 private:
-    Array<int> signs_{"treacle::fraction_signs", 0};
+    Array<int> signs_{"treacle::fraction_signs", 0};     // [window], in build_body_fractions() the cells with bodies
     Array<int> slot_{"treacle::fraction_slot", 0};       // [window] >= 0: row of parts_; below: one kind all through
     Array<int> dry_{"treacle::fraction_dry", 0};         // [window] 1: no node of the cell is in the liquid
     Array<int> written_{"treacle::fraction_written", 0}; // [window] the kind that `out` holds
