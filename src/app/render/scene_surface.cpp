@@ -46,6 +46,14 @@ SceneSurface::SceneSurface(const Comm& comm, const RunView& run, const SurfaceCh
       images_(choice.images && !run.input.scene.domain.mirrors().empty()) {}
 
 const surface::Mesh& SceneSurface::build(std::size_t frame) {
+    if (built_ == frame) return *mesh_;
+    built_.reset();
+    mesh_ = &build_anew(frame);
+    built_ = frame;
+    return *mesh_;
+}
+
+const surface::Mesh& SceneSurface::build_anew(std::size_t frame) {
     const auto path = run_.frame(frame);
     rows_ = io::read_frame(comm_, path);
     const auto& rows = rows_;

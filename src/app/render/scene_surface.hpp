@@ -26,8 +26,8 @@ public:
     // Collective. Throws InputError. The run must stay.
     SceneSurface(const Comm& comm, const RunView& run, const SurfaceChoice& choice);
 
-    // Collective: each rank reads an equal part of the frame's rows. The mesh and the rows stay until the next call. Throws
-    // InputError.
+    // Collective: each rank reads an equal part of the frame's rows. The mesh and the rows stay until the call for another frame; nothing is
+    // done for the frame of the last call. Throws InputError.
     const surface::Mesh& build(std::size_t frame);
     const surface::Summary& summary() const { return mesher_.summary(); }
     double time() const { return rows_.time; }                         // [s] of that frame
@@ -37,6 +37,8 @@ public:
     bool solids_move() const { return moving_.any_moves(); }
 
 private:
+    const surface::Mesh& build_anew(std::size_t frame);
+
     Comm comm_;
     const RunView& run_;
     std::vector<std::string> scalars_;
@@ -47,6 +49,8 @@ private:
     surface::Solids solids_;
     bool images_ = false;
     surface::Mesh drawn_;
+    std::optional<std::size_t> built_;
+    const surface::Mesh* mesh_ = nullptr; // of that frame
 };
 
 } // namespace treacle::app
