@@ -76,7 +76,7 @@ private:
             if (s) (s->thin ? stuck : candidates).push_back(s->point);
         });
         PoissonDiskLayer layer(
-            d, [&](const Vec3& x, double tolerance) { return settle(x, sampling.inset, tolerance); });
+            d, [&](const Vec3& x, double tolerance) { return to_inset(x, sampling.inset, tolerance); });
         layer.choose(candidates, stuck);
         layer.relax();
         layer.fill(candidates);
@@ -95,7 +95,8 @@ private:
         return result;
     }
 
-    std::optional<Vec3> settle(const Vec3& x, double inset, double tolerance) const {
+    // project() of this surface; to the surface itself in one step.
+    std::optional<Vec3> to_inset(const Vec3& x, double inset, double tolerance) const {
         if (inset == 0) return tree_.closest(x).point;
         return project(*this, x, inset, tolerance);
     }
