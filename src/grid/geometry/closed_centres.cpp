@@ -5,8 +5,8 @@
 namespace treacle::grid {
 
 namespace {
-constexpr int not_inside = 1,
-              not_outside = 2; // bits: of a cell's nodes not all are far inside, or outside, of the solids
+// Bits of a cell: not all of its nodes are far inside, not all far outside of the solids.
+constexpr int not_inside = 1, not_outside = 2;
 
 // Sides of the solids' surface that the nodes of each cell are on.
 void find_sides(const SolidBends& bends, const Array<int>& sides) {
