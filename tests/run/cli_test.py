@@ -15,6 +15,8 @@ import tempfile
 import time
 import unittest
 
+from harness import environment_for
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "scenes")
 BAD = os.path.join(SCENES, "bad")
@@ -145,9 +147,7 @@ class Workplace(unittest.TestCase):
         return os.path.join(self.folder, *parts)
 
     def treacle(self, *arguments, ranks=None, code=0):
-        # Open MPI's launcher waits a second for the ranks that it ends: what is refused has nothing to save.
-        env = {**os.environ, "OMPI_MCA_odls_base_sigkill_timeout": "0"} if code == 2 else None
-        done = launch(arguments, RANKS if ranks is None else ranks, cwd=self.folder, env=env)
+        done = launch(arguments, RANKS if ranks is None else ranks, cwd=self.folder, env=environment_for(code))
         self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}\n{done.stderr}")
         return done
 

@@ -84,6 +84,12 @@ def kill_all(process):
         time.sleep(0.01)
 
 
+def environment_for(code):
+    """The environment of a command that is to end with an exit code. Open MPI's launcher waits a second for the ranks that it ends: a
+    command that is refused has nothing to save."""
+    return {**os.environ, "OMPI_MCA_odls_base_sigkill_timeout": "0"} if code == 2 else None
+
+
 class Workplace(unittest.TestCase):
     """A folder of its own for each test; commands run in it."""
 
@@ -95,10 +101,8 @@ class Workplace(unittest.TestCase):
         return os.path.join(self.folder, *parts)
 
     def treacle(self, *arguments, ranks=1, code=0):
-        # Open MPI's launcher waits a second for the ranks that it ends: what is refused has nothing to save.
-        env = {**os.environ, "OMPI_MCA_odls_base_sigkill_timeout": "0"} if code == 2 else None
         done = subprocess.run(command_line(arguments, ranks), capture_output=True, text=True, timeout=240,
-                              cwd=self.folder, env=env)
+                              cwd=self.folder, env=environment_for(code))
         self.assertEqual(done.returncode, code, f"{arguments} on {ranks} ranks: {done.stdout}\n{done.stderr}")
         return done
 

@@ -49,18 +49,12 @@ KOKKOS_INLINE_FUNCTION void find_body_fractions(
         if (volume <= 0) continue;
         double depth[8], total = 0;
         int number[8];
-        bool of_one = true;
         volumes.each_corner(f, 1, [&](int k, const int corner[3]) {
             const int at = volumes.nodes.index(corner[0], corner[1], corner[2]);
             depth[k] = math::max(0.0, -solids.distance(at));
             number[k] = solids.number(at);
-            of_one = of_one && number[k] == number[0];
             total += depth[k];
         });
-        if (of_one) {
-            if (total > 0 && number[0] >= 0 && solids.moves(number[0])) out.add(number[0], volume);
-            continue;
-        }
         for (int k = 0; k < 8; ++k) {
             if (depth[k] > 0 && number[k] >= 0 && solids.moves(number[k]))
                 out.add(number[k], volume * depth[k] / total);
@@ -134,7 +128,7 @@ void FractionBuilder::build_body_fractions(const FineNodes& nodes, const Array<d
     const auto n = static_cast<std::size_t>(nodes.window.size());
     const PartSum parts{ControlVolumes(nodes, {}), slot_, dry_, parts_};
     const NodeSolids solids{solid, number, moves};
-    const auto marked = signs_; // of no use after build()
+    const auto marked = signs_; // free after build()
     mark_cells(nodes, solids, marked);
     for (int a = 0; a < nodes.dimensions; ++a) {
         reserve(body_fractions[a].first, n + 1);

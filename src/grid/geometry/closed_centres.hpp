@@ -18,7 +18,7 @@ public:
 
 private:
     Array<double> offset_[3][2];
-    std::int64_t changes_ = -1; // Solids::changes() that they are of
+    std::int64_t changes_ = -1; // Solids::changes() of the offsets
     Array<int> sides_{"treacle::sides_of_solids", 0};
 };
 

@@ -10,7 +10,7 @@ struct SolidBends {
     FineNodes nodes;
     Array<double> solid; // distances at the fine nodes [m]
 
-    // No line in a face bends by more [m], a diagonal's being the most.
+    // Largest bend of a line in a face [m], that of a diagonal.
     KOKKOS_INLINE_FUNCTION double most_bend() const { return 0.5 * nodes.width; }
     KOKKOS_INLINE_FUNCTION bool in_window(const int f[3]) const {
         for (int k = 0; k < nodes.dimensions; ++k) {

@@ -262,7 +262,7 @@ void continue_layer(const SolidNodes& inside, int layer, const Array<double>& va
     const FineNodes nodes = inside.nodes;
     const auto solid = inside.solid;
     const auto found = inside.found;
-    const double deepest = (layer + 1e-6) * nodes.width; // that as many steps along the axes lead to from the surface
+    const double deepest = (layer + 1e-6) * nodes.width; // depth [m] that as many steps along the axes lead to
     Kokkos::parallel_for(
         "treacle::continue_liquid", inside.count, KOKKOS_LAMBDA(int i) {
             const int at = inside.list(i), corner = at % FineNodes::per_cell;

@@ -41,7 +41,7 @@ public:
 
     // Follows the window of the halo and the poses of the bodies. Returns whether any distance changed. Local.
     bool update(const CellHalo& halo, const rigid::RigidBodies& bodies);
-    // How often update() changed any distance: what was found of them is right as long as this is as it was.
+    // Number of calls of update() that changed any distance: results that follow from distances alone are right while it stays.
     std::int64_t changes() const { return changes_; }
 
     // Fields as of the last update().

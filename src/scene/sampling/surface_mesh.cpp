@@ -51,9 +51,10 @@ public:
     // Layers are found once: checks, contacts, output and solids ask for the same ones.
     SurfaceSamples sample(const SurfaceSampling& sampling) const override {
         const std::lock_guard lock(layers_mutex_);
-        auto& layer = layers_[{sampling.spacing, sampling.inset}];
-        if (!layer) layer = find_layer(sampling);
-        return *layer;
+        const std::pair request(sampling.spacing, sampling.inset);
+        auto layer = layers_.find(request);
+        if (layer == layers_.end()) layer = layers_.emplace(request, find_layer(sampling)).first;
+        return layer->second;
     }
 
     SurfaceSamples scatter(const SurfaceSampling& sampling) const override {
@@ -174,8 +175,8 @@ private:
     Bounds bounds_;
     double volume_, area_, size_;
     std::vector<Vec3> vertex_normals_;
-    std::vector<std::array<Vec3, 3>> edge_normals_; // of the edge from corner c to c + 1
-    mutable std::map<std::pair<double, double>, std::optional<SurfaceSamples>> layers_; // by spacing and inset [m]
+    std::vector<std::array<Vec3, 3>> edge_normals_;                      // of the edge from corner c to c + 1
+    mutable std::map<std::pair<double, double>, SurfaceSamples> layers_; // by spacing and inset [m]
     mutable std::mutex layers_mutex_;
 };
 
