@@ -323,6 +323,7 @@ void LevelSet::build(
         particles.image(), {along_[0], along_[1], along_[2]}, solids.walls(), solids.distance(), half_space_, distance_,
         grid.dx, scatter_shift[grid.dimensions - 2] * grid.dx, static_cast<int>(full_fraction * seeded)}));
     halo.gather_blocks(distance_, FineNodes::per_cell);
+    pores_.close(halo, solids, distance_);
     continue_into_solids(nodes, solids.distance());
     halo.gather_blocks(distance_, FineNodes::per_cell);
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include "grid/geometry/pores.hpp"
 #include "grid/geometry/solids.hpp"
 #include "grid/mac/particles.hpp"
 
@@ -27,6 +28,7 @@ private:
     Array<double> along_[3] = {Array<double>("treacle::level_set_x", 0), Array<double>("treacle::level_set_y", 0),
         Array<double>("treacle::level_set_z", 0)}; // positions of all particles, axis by axis
     Array<int> layer_{"treacle::continuation_layer", 0}, in_solids_{"treacle::nodes_in_solids", 0};
+    Pores pores_;
     int dimensions_ = 0; // that half_space_ is of
     std::size_t surface_ = 0;
 };

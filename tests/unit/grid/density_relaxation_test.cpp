@@ -94,5 +94,35 @@ TEST_F(Contracting, WhatIsPouredFromHighHasItsVolume) {
     }
 }
 
+// A tank of 0.6 m without the particles of a cube at a place and of a size [cells]. Returns the most kinetic energy of some steps over
+// what a vacuum there has: pressure times volume.
+double fall_into_a_hole(int dimensions, const Vec3& at, double size) {
+    constexpr int cells = 12;
+    auto sample = sample_of(cells, dimensions);
+    const auto up = static_cast<std::size_t>(dimensions - 1);
+    sample.liquid = [=](const Vec3& x) {
+        bool in_hole = true;
+        for (std::size_t k = 0; k <= up; ++k) in_hole = in_hole && x[k] * cells > at[k] && x[k] * cells < at[k] + size;
+        return in_hole ? 1.0 : x[up] - 0.6;
+    };
+    const auto step = started(Comm::world(), sample);
+    double most = 0;
+    for (int k = 0; k < 6; ++k) {
+        step->advance(0.02);
+        most = std::max(most, step->totals().kinetic_energy);
+    }
+    return most / (1000 * 9.81 * 0.55 * std::pow(size / cells, dimensions));
+}
+
+TEST(Pores, LetNoLiquidFallIntoThem) {
+    for (const int dimensions : {2, 3}) {
+        for (const auto& at : {Vec3{0, 0, 0}, Vec3{5, 0, 0}, Vec3{5, 4, 0}, Vec3{11, 0, 0}, Vec3{4.25, 3.25, 3.25}}) {
+            EXPECT_LT(fall_into_a_hole(dimensions, at, 1), 0.03)
+                << dimensions << " at " << at[0] << ' ' << at[1] << ' ' << at[2]; // 0.1 to 0.8 if it were air
+        }
+        EXPECT_GT(fall_into_a_hole(dimensions, {0, 0, 0}, 4), 0.2); // air
+    }
+}
+
 } // namespace
 } // namespace treacle::grid::density_relaxation_test

@@ -176,16 +176,21 @@ TEST(FreeSlip, RoundVesselsTurnAroundLiquidAtRest) {
     }
 }
 
-// Water falls flat onto the floor and meets a slab that rises, in steps of three cells: whatever meets has room.
+// Water falls flat onto the floor and meets a slab that rises, in steps of three cells: whatever meets has room. Drops that fly from
+// there are a matter of chance, so that it is asked of several falls.
 TEST(Gaps, CloseWithoutHeapingUpLiquid) {
-    for (const double shift : {0.0, 0.3, 0.7}) {
+    double sum = 0, most = 0;
+    constexpr int falls = 12;
+    for (int k = 0; k < falls; ++k) {
+        const double shift = 0.1 * (k % 10), speed = 2 + 0.13 * (k % 6);
         auto sample = sample_of(20, 2);
+        sample.jitter = 0.1 + 0.02 * (k % 7);
         sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
         sample.liquid = [=](const Vec3& x) {
             const double y = x[1] - 0.05 * shift;
             return std::min(std::max(y - 0.35, 0.2 - y), std::max(y - 0.9, 0.6 - y));
         };
-        sample.velocity = [=](const Vec3& x) { return Vec3{0, x[1] > 0.5 ? -2.0 : 1.0, 0}; };
+        sample.velocity = [=](const Vec3& x) { return Vec3{0, x[1] > 0.5 ? -speed : 1.0, 0}; };
         auto step = started(Comm::world(), sample);
         double time = 0, worst = 0;
         while (time < 0.5) {
@@ -193,8 +198,11 @@ TEST(Gaps, CloseWithoutHeapingUpLiquid) {
             time += report.dt;
             worst = std::max(worst, report.correction.density_before);
         }
-        EXPECT_LT(worst, 1.5) << shift;
+        sum += worst;
+        most = std::max(most, worst);
     }
+    EXPECT_LT(sum / falls, 1);
+    EXPECT_LT(most, 2);
 }
 
 } // namespace
