@@ -9,7 +9,7 @@ std::string Diagnostic::text() const {
     for (const auto* part : {&reason, &cure}) {
         if (!part->empty()) out += "; " + *part;
     }
-    return out.ends_with('?') ? out : out + ".";
+    return out.ends_with('?') || out.ends_with('.') ? out : out + ".";
 }
 
 namespace {

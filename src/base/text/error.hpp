@@ -21,7 +21,7 @@ struct Diagnostic {
     std::string reason;  // "a Newtonian viscosity is positive"
     std::string cure;    // "honey is about 10 Pa s"
 
-    // "where: problem; reason; cure." with empty parts left out, and no full stop after a question mark.
+    // "where: problem; reason; cure." with empty parts left out, and no full stop after a question mark or another one.
     std::string text() const;
 };
 

@@ -15,16 +15,17 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
 }
 
 namespace {
-// x after dt, from the velocity u there, of the share `bent` along the velocities of the faces.
-KOKKOS_INLINE_FUNCTION void trace(const FaceSampler& faces, const double u[3], double bent, double dt, double x[3]) {
+// The way from x in dt [m], with the velocity u there, of the share `bent` along the velocities of the faces.
+KOKKOS_INLINE_FUNCTION void trace(
+    const FaceSampler& faces, const double x[3], const double u[3], double bent, double dt, double way[3]) {
     if (!(bent > 0)) {
-        for (int c = 0; c < 3; ++c) x[c] += dt * u[c];
+        for (int c = 0; c < 3; ++c) way[c] = dt * u[c];
         return;
     }
     double stage[3], later[3];
     for (int c = 0; c < 3; ++c) stage[c] = x[c] + 2.0 / 3 * bent * dt * u[c];
     faces.velocity(stage, later);
-    for (int c = 0; c < 3; ++c) x[c] += dt * (0.25 * u[c] + 0.75 * later[c]);
+    for (int c = 0; c < 3; ++c) way[c] = dt * (0.25 * u[c] + 0.75 * later[c]);
 }
 
 // The gradient after particles have moved by it, no larger than before: liquid that nothing surrounds would make it
@@ -81,7 +82,8 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
                 gradient.at[1][k] = uy(i, k);
                 gradient.at[2][k] = uz(i, k);
             }
-            trace(how.faces, speed, bending_weight(gradient, dt), dt, to);
+            double way[3];
+            trace(how.faces, to, speed, bending_weight(gradient, dt), dt, way);
             const auto carried = carry(gradient, dt);
             for (int k = 0; k < 3; ++k) {
                 ux(i, k) = carried.at[0][k];
@@ -89,9 +91,9 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
                 uz(i, k) = carried.at[2][k];
             }
             auto found = LossCause::none;
-            if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
+            if (math::isfinite(way[0]) && math::isfinite(way[1]) && math::isfinite(way[2])) {
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.
-                projected_out += push_out(how.solid, clearance, to) ? 1 : 0;
+                projected_out += walk(how.solid, clearance, way, to) ? 1 : 0;
                 const double distance = how.solid.at(to);
                 for (int k = 0; k < 3; ++k) to[k] = how.domain.wrap(k, to[k]);
                 found = loss_of(how, leak, distance, to, speed);

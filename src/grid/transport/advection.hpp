@@ -27,8 +27,8 @@ struct DepartureCounts {
     int projected_out = 0;     // moved out of solids
 };
 
-// Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), then out of solids
-// along the gradient of the distance; takes their affine matrices along; wraps along periodic axes; marks those that are
+// Moves the owned particles by dt times their velocity, that of the middle of the step (faces_to_particles), along the solids in their
+// way; takes their affine matrices along; wraps along periodic axes; marks those that are
 // lost in the field `cause`. Straight lines are exact to second order whatever flies along, but cross where the velocity changes by
 // itself within a step: there (bent_share) paths bend more and more along the velocities of the faces, by
 // the second order Runge-Kutta scheme of Ralston (1962). Local.
@@ -60,6 +60,24 @@ KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double cleara
         const double step = (clearance * 1.0001 - distance) / math::max(slope, least_slope);
         for (int c = 0; c < 3; ++c) x[c] += step * gradient[c] / slope;
         moved = true;
+    }
+    return moved;
+}
+
+// Moves a place by `way` [m], along solids where they are in its way, and keeps `clearance` from them; returns whether they were. It goes
+// by a quarter of a cell at a time: what is pushed out of a thin solid from where it would end leaves it on the other side.
+KOKKOS_INLINE_FUNCTION bool walk(const DistanceSampler& solid, double clearance, const double way[3], double x[3]) {
+    const double length = math::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    if (solid.at(x) >= length + clearance) {
+        for (int c = 0; c < 3; ++c) x[c] += way[c];
+        return false;
+    }
+    const double longest = 0.5 * solid.nodes.width;
+    const int steps = length < 1e3 * longest ? 1 + static_cast<int>(length / longest) : 1;
+    bool moved = false;
+    for (int k = 0; k < steps; ++k) {
+        for (int c = 0; c < 3; ++c) x[c] += way[c] / steps;
+        moved = push_out(solid, clearance, x) || moved;
     }
     return moved;
 }
