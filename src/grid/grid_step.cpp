@@ -225,10 +225,12 @@ void GridStep::move(StepReport& report, StepTimes& times) {
     end_velocities(grid_, cells_halo_.window(), scratch_, times, particles_); // (E)
     const double before = bodies_.time();
     show_pressures();
+    body_steps_.begin(solids_, bodies_, particles_);
     bodies_.move(dt);
     if (bodies_.any_moves()) solids_.update(cells_halo_, bodies_);
     const Advection how{FaceSampler(grid_, cells_halo_.window(), velocity_), solids_.sampler(),
-        make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_};
+        make_domain_sides(grid_, setup_.domain), setup_.options.advection, outlets_,
+        body_steps_.end(grid_, solids_, bodies_)};
     const auto gone = advect(how, particles_, dt); // (A5)
     report.projected_out = gone.projected_out;
     report.imbalance = load_imbalance(comm_, particles_.store.owned());
@@ -375,26 +377,6 @@ double GridStep::stable_step(double cfl) const {
         dt = std::min(dt, std::sqrt(setup_.density * std::pow(grid_.dx, 3) / (4 * math::pi * tensions_.largest())));
     }
     return dt;
-}
-
-std::size_t GridStep::bytes() const {
-    std::size_t numbers = distance_.span() + viscosities_.cell.span();
-    for (int a = 0; a < 3; ++a) {
-        for (const auto* field : {&mass_, &velocity_, &scratch_, &fractions_.face_fluid, &fractions_.face_liquid,
-                 &fractions_.face_liquid_clipped, &fractions_.open}) {
-            numbers += field->axis[a].span();
-        }
-        for (const auto* field :
-            {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_liquid_clipped}) {
-            numbers += field->axis[a].span();
-        }
-    }
-    numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_liquid_clipped.span();
-    numbers += level_set_.distance().span() + 2 * solids_.distance().span();
-    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
-           tensions_.bytes() + curvature_.bytes() + density_relaxation_.bytes() + resting_.bytes() + no_slip_.bytes() +
-           resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + separation_.bytes() +
-           closing_.bytes() + closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
 }
 
 } // namespace treacle::grid

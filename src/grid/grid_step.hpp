@@ -187,6 +187,7 @@ private:
     CellHalo cells_halo_;
     flow::InletEmitter source_;
     flow::Outlets outlets_;
+    BodyStepRecord body_steps_;
     Solids solids_;
     LevelSet level_set_;
     FractionBuilder fraction_builder_;

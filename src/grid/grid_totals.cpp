@@ -115,4 +115,24 @@ LiquidTotals GridStep::totals() const {
     return out;
 }
 
+std::size_t GridStep::bytes() const {
+    std::size_t numbers = distance_.span() + viscosities_.cell.span();
+    for (int a = 0; a < 3; ++a) {
+        for (const auto* field : {&mass_, &velocity_, &scratch_, &fractions_.face_fluid, &fractions_.face_liquid,
+                 &fractions_.face_liquid_clipped, &fractions_.open}) {
+            numbers += field->axis[a].span();
+        }
+        for (const auto* field :
+            {&viscosities_.edge, &fractions_.edge_fluid, &fractions_.edge_liquid, &fractions_.edge_liquid_clipped}) {
+            numbers += field->axis[a].span();
+        }
+    }
+    numbers += fractions_.cell_fluid.span() + fractions_.cell_liquid.span() + fractions_.cell_liquid_clipped.span();
+    numbers += level_set_.distance().span() + 2 * solids_.distance().span();
+    return 8 * numbers + particles_.store.bytes() + pressure_.bytes() + viscosity_.bytes() + rheology_.bytes() +
+           tensions_.bytes() + curvature_.bytes() + density_relaxation_.bytes() + resting_.bytes() + no_slip_.bytes() +
+           resting_pressures_.bytes() + wall_pressures_.bytes() + strains_.bytes() + separation_.bytes() +
+           closing_.bytes() + closed_centres_.bytes() + balance_.bytes() + wall_momentum_.bytes();
+}
+
 } // namespace treacle::grid

@@ -15,17 +15,17 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
 }
 
 namespace {
-// The way from x in dt [m], with the velocity u there, of the share `bent` along the velocities of the faces.
+// Where x goes in dt, with the velocity u there, of the share `bent` along the velocities of the faces.
 KOKKOS_INLINE_FUNCTION void trace(
-    const FaceSampler& faces, const double x[3], const double u[3], double bent, double dt, double way[3]) {
+    const FaceSampler& faces, const double x[3], const double u[3], double bent, double dt, double to[3]) {
     if (!(bent > 0)) {
-        for (int c = 0; c < 3; ++c) way[c] = dt * u[c];
+        for (int c = 0; c < 3; ++c) to[c] = x[c] + dt * u[c];
         return;
     }
     double stage[3], later[3];
     for (int c = 0; c < 3; ++c) stage[c] = x[c] + 2.0 / 3 * bent * dt * u[c];
     faces.velocity(stage, later);
-    for (int c = 0; c < 3; ++c) way[c] = dt * (0.25 * u[c] + 0.75 * later[c]);
+    for (int c = 0; c < 3; ++c) to[c] = x[c] + dt * (0.25 * u[c] + 0.75 * later[c]);
 }
 
 // The gradient after particles have moved by it, no larger than before: liquid that nothing surrounds would make it
@@ -74,7 +74,7 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
     Kokkos::parallel_reduce(
         "treacle::advect", particles.store.owned(),
         KOKKOS_LAMBDA(int i, int& lost, int& outflow, int& projected_out) {
-            double to[3] = {x(i, 0), x(i, 1), x(i, 2)};
+            const double from[3] = {x(i, 0), x(i, 1), x(i, 2)};
             const double speed[3] = {u(i, 0), u(i, 1), u(i, 2)};
             SmallMatrix gradient;
             for (int k = 0; k < 3; ++k) {
@@ -82,8 +82,8 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
                 gradient.at[1][k] = uy(i, k);
                 gradient.at[2][k] = uz(i, k);
             }
-            double way[3];
-            trace(how.faces, to, speed, bending_weight(gradient, dt), dt, way);
+            double to[3];
+            trace(how.faces, from, speed, bending_weight(gradient, dt), dt, to);
             const auto carried = carry(gradient, dt);
             for (int k = 0; k < 3; ++k) {
                 ux(i, k) = carried.at[0][k];
@@ -91,9 +91,12 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
                 uz(i, k) = carried.at[2][k];
             }
             auto found = LossCause::none;
-            if (math::isfinite(way[0]) && math::isfinite(way[1]) && math::isfinite(way[2])) {
+            if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
+                double start[3];
+                how.bodies.carry(i, from, start);
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.
-                projected_out += walk(how.solid, clearance, way, to) ? 1 : 0;
+                const double end[3] = {to[0], to[1], to[2]};
+                projected_out += walk(how.solid, clearance, start, end, to) ? 1 : 0;
                 const double distance = how.solid.at(to);
                 for (int k = 0; k < 3; ++k) to[k] = how.domain.wrap(k, to[k]);
                 found = loss_of(how, leak, distance, to, speed);

@@ -3,6 +3,7 @@
 #include "flow/outlets.hpp"
 #include "grid/mac/fine_nodes.hpp"
 #include "grid/transport/apic.hpp"
+#include "grid/transport/body_steps.hpp"
 
 #include <vector>
 
@@ -38,6 +39,7 @@ struct Advection {
     DomainSides domain;
     AdvectionOptions options;
     flow::Outlets outlets;
+    BodySteps bodies; // in this step
 };
 DepartureCounts advect(const Advection& how, const GridParticles& particles, double dt);
 
@@ -64,19 +66,22 @@ KOKKOS_INLINE_FUNCTION bool push_out(const DistanceSampler& solid, double cleara
     return moved;
 }
 
-// Moves a place by `way` [m], along solids where they are in its way, and keeps `clearance` from them; returns whether they were. It goes
-// by a quarter of a cell at a time: what is pushed out of a thin solid from where it would end leaves it on the other side.
-KOKKOS_INLINE_FUNCTION bool walk(const DistanceSampler& solid, double clearance, const double way[3], double x[3]) {
-    const double length = math::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
-    if (solid.at(x) >= length + clearance) {
-        for (int c = 0; c < 3; ++c) x[c] += way[c];
-        return false;
+// Takes x from `start` to `end`, along solids where they are in its way, and keeps `clearance` [m] from them; returns whether they were.
+// By a quarter of a cell at a time: what is pushed out of a thin solid from where it would end leaves it on the other side.
+KOKKOS_INLINE_FUNCTION bool walk(
+    const DistanceSampler& solid, double clearance, const double start[3], const double end[3], double x[3]) {
+    double square = 0;
+    for (int c = 0; c < 3; ++c) square += (end[c] - start[c]) * (end[c] - start[c]);
+    const double length = math::sqrt(square), longest = 0.5 * solid.nodes.width;
+    if (solid.at(start) >= length + clearance || !(length < 1e3 * longest)) {
+        for (int c = 0; c < 3; ++c) x[c] = end[c];
+        return push_out(solid, clearance, x);
     }
-    const double longest = 0.5 * solid.nodes.width;
-    const int steps = length < 1e3 * longest ? 1 + static_cast<int>(length / longest) : 1;
+    const int steps = 1 + static_cast<int>(length / longest);
     bool moved = false;
+    for (int c = 0; c < 3; ++c) x[c] = start[c];
     for (int k = 0; k < steps; ++k) {
-        for (int c = 0; c < 3; ++c) x[c] += way[c] / steps;
+        for (int c = 0; c < 3; ++c) x[c] += (end[c] - start[c]) / steps;
         moved = push_out(solid, clearance, x) || moved;
     }
     return moved;
