@@ -17,25 +17,33 @@ struct Enclosure {
             known = known && c[k] > nodes.window.lo[k] && c[k] + 2 < nodes.window.hi[k];
         return known;
     }
-    // True if a node `far` nodes from the middle of cell c, along the axis that it is farthest along, is open.
-    KOKKOS_INLINE_FUNCTION bool any_open(const int c[3], int far) const {
+    // Calls use(node) for the nodes `far` nodes from the middle of cell c, along the axis that each is farthest along, until it returns
+    // false; returns whether it never did.
+    template <class Use>
+    KOKKOS_INLINE_FUNCTION bool each_around(const int c[3], int far, const Use& use) const {
         const bool flat = nodes.dimensions == 2;
         const int deep = flat ? 0 : far, middle[3] = {2 * c[0] + 1, 2 * c[1] + 1, flat ? 0 : 2 * c[2] + 1};
         for (int z = -deep; z <= deep; ++z) {
             for (int y = -far; y <= far; ++y) {
                 const bool outermost = y == -far || y == far || (!flat && (z == -far || z == far));
                 for (int x = -far; x <= far; x += outermost ? 1 : 2 * far) {
-                    if (is_open(nodes.index(middle[0] + x, middle[1] + y, middle[2] + z))) return true;
+                    if (!use(nodes.index(middle[0] + x, middle[1] + y, middle[2] + z))) return false;
                 }
             }
         }
-        return false;
+        return true;
     }
+    // True where the nodes around the middle of cell c are not all in liquid or solids, but those of the shell are, and one in liquid.
     KOKKOS_INLINE_FUNCTION bool is_pore(const int c[3]) const {
         if (!is_known(c)) return false;
         const int middle =
             FineNodes::per_cell * static_cast<int>(nodes.window.index(c[0], c[1], c[2])) + nodes.used() - 1;
-        return (is_open(middle) || any_open(c, 1)) && !any_open(c, shell);
+        if (!is_open(middle) && each_around(c, 1, [&](int node) { return !is_open(node); })) return false;
+        bool wet = false;
+        return each_around(c, shell, [&](int node) {
+            wet = wet || distance(node) < 0;
+            return !is_open(node);
+        }) && wet;
     }
     // True if node `corner` of cell c is at most two nodes from the middle of a cell with a pore around it.
     KOKKOS_INLINE_FUNCTION bool is_in_pore(const int c[3], int corner, const Array<int>& pores) const {
