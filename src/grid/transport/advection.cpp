@@ -93,7 +93,7 @@ DepartureCounts advect(const Advection& how, const GridParticles& particles, dou
             auto found = LossCause::none;
             if (math::isfinite(to[0]) && math::isfinite(to[1]) && math::isfinite(to[2])) {
                 double start[3];
-                how.bodies.carry(i, from, start);
+                how.bodies.carry(i, how.solid, from, start);
                 // The window goes on beyond a periodic side, but need not hold what lies at the other one.
                 const double end[3] = {to[0], to[1], to[2]};
                 projected_out += walk(how.solid, clearance, start, end, to) ? 1 : 0;

@@ -27,7 +27,7 @@ void BodyStepRecord::begin(const Solids& solids, const rigid::RigidBodies& bodie
 BodySteps BodyStepRecord::end(const MacGrid& grid, const Solids& solids, const rigid::RigidBodies& bodies) {
     if (!moves_) return {};
     using namespace rigid;
-    BodySteps out{beside_, {}, {}, solids.sampler(), solids.number(), solids.moves(), solids.band()};
+    BodySteps out{beside_, {}, {}, solids.number(), solids.moves(), solids.band()};
     for (int k = 0; k < 3; ++k) out.period[k] = grid.cells.period[k];
     reserve(frame_, BodySteps::width * bodies.size());
     auto host = Kokkos::create_mirror_view(frame_);

@@ -12,21 +12,20 @@ struct BodySteps {
     Array<int> beside;   // [owned particles] moving body within `band` before the step, or -1; empty: no body moves
     Array<double> frame; // [bodies][15] centre before the step and way of the centre [m], R - I of the turn, 3 x 3
     double period[3]{0, 0, 0}; // [m], 0: not periodic
-    DistanceSampler solid;     // after the step
-    Array<int> number, moves;  // Solids::number(), Solids::moves()
+    Array<int> number, moves;  // Solids::number() after the step, Solids::moves()
     double band = 0;           // [m]
 
-    // The moving body beside particle i at x, before the step or after it, or -1.
-    KOKKOS_INLINE_FUNCTION int body(int i, const double x[3]) const {
+    // The moving body beside particle i at x, before the step or after it, or -1. solid: after the step.
+    KOKKOS_INLINE_FUNCTION int body(int i, const DistanceSampler& solid, const double x[3]) const {
         if (beside.extent(0) == 0) return -1;
         if (beside(i) >= 0 || !(solid.at(x) < band)) return beside(i);
         const int now = number(solid.nearest(x));
         return now >= 0 && moves(now) ? now : -1;
     }
     // Writes where that body takes x, or x itself.
-    KOKKOS_INLINE_FUNCTION void carry(int i, const double x[3], double to[3]) const {
+    KOKKOS_INLINE_FUNCTION void carry(int i, const DistanceSampler& solid, const double x[3], double to[3]) const {
         for (int k = 0; k < 3; ++k) to[k] = x[k];
-        const int at = width * body(i, x);
+        const int at = width * body(i, solid, x);
         if (at < 0) return;
         double arm[3];
         for (int k = 0; k < 3; ++k) {
