@@ -65,11 +65,13 @@ void Pores::close(CellHalo& halo, const Solids& solids, const Array<double>& dis
     const CellBox window = halo.window(), owned = halo.owned();
     reserve(found_, static_cast<std::size_t>(window.size()));
     const auto found = found_;
+    const CellBox near =
+        owned.empty() ? owned : grown(owned, 1, around.nodes.dimensions); // whose pores have owned nodes
     Kokkos::parallel_for(
-        "treacle::find_pores", static_cast<int>(window.size()), KOKKOS_LAMBDA(int i) {
+        "treacle::find_pores", static_cast<int>(near.size()), KOKKOS_LAMBDA(int i) {
             int c[3];
-            window.cell(i, c);
-            found(i) = around.is_pore(c);
+            near.cell(i, c);
+            found(window.index(c[0], c[1], c[2])) = around.is_pore(c);
         });
     Kokkos::parallel_for(
         "treacle::close_pores", static_cast<int>(owned.size()), KOKKOS_LAMBDA(int i) {

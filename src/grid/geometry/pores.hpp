@@ -13,7 +13,8 @@ public:
     void close(CellHalo& halo, const Solids& solids, const Array<double>& distance);
 
 private:
-    Array<int> found_{"treacle::pores", 0}; // [cells of the window] 1: a pore lies around the cell's middle
+    Array<int> found_{
+        "treacle::pores", 0}; // [cells of the window] of owned cells and those around: 1: a pore lies around the middle
 };
 
 } // namespace treacle::grid

@@ -15,7 +15,7 @@ DomainSides make_domain_sides(const MacGrid& grid, const scene::Domain& domain) 
 }
 
 namespace {
-// Where x goes in dt, with the velocity u there, of the share `bent` along the velocities of the faces.
+// Place that x is carried to in dt by the velocity u there, of the share `bent` along the velocities of the faces.
 KOKKOS_INLINE_FUNCTION void trace(
     const FaceSampler& faces, const double x[3], const double u[3], double bent, double dt, double to[3]) {
     if (!(bent > 0)) {

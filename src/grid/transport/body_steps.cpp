@@ -27,26 +27,26 @@ void BodyStepRecord::begin(const Solids& solids, const rigid::RigidBodies& bodie
 BodySteps BodyStepRecord::end(const MacGrid& grid, const Solids& solids, const rigid::RigidBodies& bodies) {
     if (!moves_) return {};
     using namespace rigid;
-    BodySteps out{beside_, {}, {}, solids.number(), solids.moves(), solids.band()};
-    for (int k = 0; k < 3; ++k) out.period[k] = grid.cells.period[k];
-    reserve(frame_, BodySteps::width * bodies.size());
-    auto host = Kokkos::create_mirror_view(frame_);
+    step_.bodies = static_cast<int>(bodies.size());
+    for (int k = 0; k < 3; ++k) step_.period[k] = grid.cells.period[k];
+    reserve(step_.frame, BodyMotion::width * bodies.size());
+    auto host = Kokkos::create_mirror_view(step_.frame);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         const auto now = bodies.pose(b), before = before_[b];
         const auto from = transposed(to_matrix(before.turn)), to = to_matrix(now.turn);
         for (std::size_t i = 0; i < 3; ++i) {
-            host(BodySteps::width * b + i) = before.centre[i];
-            host(BodySteps::width * b + 3 + i) = now.centre[i] - before.centre[i];
+            host(BodyMotion::width * b + i) = before.centre[i];
+            host(BodyMotion::width * b + 3 + i) = now.centre[i] - before.centre[i];
+            host(BodyMotion::width * b + 6 + i) = 0;
             for (std::size_t j = 0; j < 3; ++j) {
                 double turn = i == j ? -1 : 0;
                 for (std::size_t k = 0; k < 3; ++k) turn += to[i][k] * from[k][j];
-                host(BodySteps::width * b + 6 + 3 * i + j) = turn;
+                host(BodyMotion::width * b + 9 + 3 * i + j) = turn;
             }
         }
     }
-    Kokkos::deep_copy(frame_, host);
-    out.frame = frame_;
-    return out;
+    Kokkos::deep_copy(step_.frame, host);
+    return {beside_, step_, solids.number(), solids.moves(), solids.band()};
 }
 
 } // namespace treacle::grid

@@ -1,3 +1,4 @@
+#include "base/text/error.hpp"
 #include "base/text/split.hpp"
 #include "base/text/text.hpp"
 
@@ -16,6 +17,13 @@ TEST(Text, NumbersThatDifferAreToldApart) {
     EXPECT_NE(tell_apart(1, std::nextafter(1, 2)).first, tell_apart(1, std::nextafter(1, 2)).second);
     EXPECT_EQ(tell_apart(12345.678, 3).first, "1.235e+04");
     EXPECT_EQ(tell_apart(0.1, 0.1).first, "0.1");
+}
+
+TEST(Diagnostic, EndsWithOneMark) {
+    const auto text = [](const char* cure) { return Diagnostic{"a.yaml:1", "b", "", cure}.text(); };
+    EXPECT_EQ(text("take c"), "a.yaml:1: b; take c.");
+    EXPECT_EQ(text("take c."), "a.yaml:1: b; take c.");
+    EXPECT_EQ(text("c?"), "a.yaml:1: b; c?");
 }
 
 TEST(EditDistance, CountsInsertionsDeletionsSubstitutionsAndSwaps) {

@@ -180,6 +180,7 @@ TEST(FreeSlip, RoundVesselsTurnAroundLiquidAtRest) {
 // there are a matter of chance, so that it is asked of several falls.
 TEST(Gaps, CloseWithoutHeapingUpLiquid) {
     double sum = 0, most = 0;
+    int heaps = 0;
     constexpr int falls = 12;
     for (int k = 0; k < falls; ++k) {
         const double shift = 0.1 * (k % 10), speed = 2 + 0.13 * (k % 6);
@@ -200,42 +201,46 @@ TEST(Gaps, CloseWithoutHeapingUpLiquid) {
         }
         sum += worst;
         most = std::max(most, worst);
+        heaps += worst < 1.5 ? 0 : 1;
     }
+    EXPECT_LE(heaps, 1);
     EXPECT_LT(sum / falls, 1);
     EXPECT_LT(most, 2);
 }
 
-// Drops and plates that meet in steps of three cells, one of them at rest: what were pushed out of a thin plate where it would have
-// ended left it on the other side.
+// A drop and a plate that meet at 2 m/s in steps of three cells, one of them at rest: `thickness` of the plate and `place` of its upper side
+// in cells; `comes`: the plate moves. Returns how many particles end behind it.
+double behind_plate(double thickness, double place, bool comes) {
+    auto sample = sample_of(20, 2);
+    sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
+    const double speed = 2, end = 0.16, top = 0.4 + 0.05 * place - (comes ? 0.1 : 0), bottom = top - 0.05 * thickness;
+    scene::Shape plate;
+    plate.kind = scene::ShapeKind::box;
+    plate.min = {0.1, bottom, -1};
+    plate.max = {0.9, top, 1};
+    const Vec3 middle{0.5, 0.5 * (bottom + top), 0};
+    auto body = body_of(comes ? scene::BodyKind::kinematic : scene::BodyKind::fixed, plate, middle);
+    body.velocity = {0, comes ? speed : 0, 0};
+    sample.setup.rigid.bodies = {body};
+    sample.setup.slip = {{scene::Slip::free_slip}, {0}};
+    sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.45, x[1] - 0.65) - 0.12; };
+    sample.velocity = [=](const Vec3&) { return Vec3{0.6 * place, comes ? 0 : -speed, 0}; };
+    auto step = started(Comm::world(), sample);
+    double time = 0, behind = 0;
+    while (time < end) time += step->advance(step->stable_step(3)).dt;
+    const auto x = step->particles().position();
+    const double there = middle[1] + body.velocity[1] * time;
+    for (int i = 0; i < step->particles().store.owned(); ++i)
+        behind += std::fabs(x(i, 0) - 0.5) < 0.38 && x(i, 1) < there ? 1 : 0;
+    return step->comm().sum(behind);
+}
+
+// Particles that were pushed out of a thin plate where they would have ended left it on the other side.
 TEST(ThinPlates, KeepDropsOnTheirSide) {
-    for (const double thickness : {0.75, 1.0, 1.5, 2.0, 3.0}) { // cells
+    for (const double thickness : {0.75, 1.0, 1.5, 2.0, 3.0}) {
         for (const double place : {0.0, 0.15, 0.3, 0.5, 0.7, 0.85}) {
-            for (const bool comes : {false, true}) {
-                auto sample = sample_of(20, 2);
-                sample.setup.domain.gravity = sample.setup.rigid.gravity = {0, 0, 0};
-                const double speed = 2, end = 0.16, top = 0.4 + 0.05 * place - (comes ? 0.1 : 0),
-                             bottom = top - 0.05 * thickness;
-                scene::Shape plate;
-                plate.kind = scene::ShapeKind::box;
-                plate.min = {0.1, bottom, -1};
-                plate.max = {0.9, top, 1};
-                const Vec3 middle{0.5, 0.5 * (bottom + top), 0};
-                auto body = body_of(comes ? scene::BodyKind::kinematic : scene::BodyKind::fixed, plate, middle);
-                body.velocity = {0, comes ? speed : 0, 0};
-                sample.setup.rigid.bodies = {body};
-                sample.setup.slip = {{scene::Slip::free_slip}, {0}};
-                sample.liquid = [](const Vec3& x) { return std::hypot(x[0] - 0.45, x[1] - 0.65) - 0.12; };
-                sample.velocity = [=](const Vec3&) { return Vec3{0.6 * place, comes ? 0 : -speed, 0}; };
-                auto step = started(Comm::world(), sample);
-                double time = 0;
-                while (time < end) time += step->advance(step->stable_step(3)).dt;
-                int below = 0;
-                const auto x = step->particles().position();
-                for (int i = 0; i < step->particles().store.owned(); ++i)
-                    below +=
-                        std::fabs(x(i, 0) - 0.5) < 0.38 && x(i, 1) < middle[1] + (comes ? speed * time : 0) ? 1 : 0;
-                EXPECT_EQ(step->comm().sum(double(below)), 0) << thickness << " " << place << " " << comes;
-            }
+            for (const bool comes : {false, true})
+                EXPECT_EQ(behind_plate(thickness, place, comes), 0) << thickness << " " << place << " " << comes;
         }
     }
 }
