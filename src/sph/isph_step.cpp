@@ -21,13 +21,32 @@ bool viscosity_by_operator(const IsphSetup& setup) {
     return setup.forces.viscosity > 0 &&
            (integration == ViscosityIntegration::implicit || integration == ViscosityIntegration::explicit_form);
 }
+
+// True when bodies, sides or inlets can push the liquid.
+bool may_be_driven(const IsphSetup& setup) {
+    const auto moves = [](const auto& body) { return body.kind != scene::BodyKind::fixed; };
+    const auto slides = [](const Vec3& velocity) { return velocity != Vec3{0, 0, 0}; };
+    return !setup.inflow.inlets.empty() || std::ranges::any_of(setup.rigid.bodies, moves) ||
+           std::ranges::any_of(setup.sides, slides);
+}
+
+// The setup with `gradients: automatic` decided.
+IsphSetup decided(IsphSetup setup) {
+    auto& pressure = setup.options.pressure;
+    if (pressure.gradients == PressureGradients::automatic)
+        pressure.gradients = pressure.may_correct_gradients() && may_be_driven(setup) ? PressureGradients::corrected
+                                                                                      : PressureGradients::kernel;
+    return setup;
+}
 } // namespace
 
 IsphStep::IsphStep(const Comm& comm, const IsphSetup& setup)
-    : comm_(comm), setup_(setup), decomposition_(comm, setup.grid), load_balance_(setup.options.max_load_imbalance),
+    : comm_(comm), setup_(decided(setup)), decomposition_(comm, setup.grid),
+      load_balance_(setup.options.max_load_imbalance),
       bodies_(setup.rigid, setup.boundary_volume_factor, setup.first_body, setup.bodies, setup.domain, setup.sides),
-      pressure_(comm, setup.options, setup.constants, setup.domain, setup.grid, setup.forces.gravity) {
+      pressure_(comm, setup_.options, setup.constants, setup.domain, setup.grid, setup.forces.gravity) {
     explicit_forces_ = setup.forces;
+    if (setup_.options.pressure.corrects_gradients()) liquid_.add_gradient_correction();
     if (viscosity_by_operator(setup)) {
         const auto& forces = setup.forces;
         viscosity_.emplace(

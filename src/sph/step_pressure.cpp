@@ -170,8 +170,9 @@ void StepPressure::find_by_iisph(const PressureParts& parts, StepReport& report,
     const auto& step = parts.step;
     const auto first = report.pressure; // of DFSPH
     const bool answering = implicit_bodies(options_, parts.bodies);
-    if (answering) response_.build(step, parts.bodies);
     iisph_.set_coupling_term(answering ? &response_ : nullptr);
+    iisph_.prepare_pairs(step);
+    if (answering) response_.build(step, parts.bodies); // by gradients that may have been corrected
     report.pressure = iisph_.solve(step, dt, report.roles);
     iisph_.set_coupling_term(nullptr); // a shift of places does not move them
     add_work(first, report.pressure);

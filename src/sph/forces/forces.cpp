@@ -124,7 +124,9 @@ struct BodyLoadLoop : LoadReduction {
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double f = c.mass * c.rest_density * fluid.solid_volume(s) * own *
                              kernel.gradient(math::sqrt(r2)); // on the solid, along x_i - x_s
-            const double force[3] = {f * dx, f * dy, f * dz};
+            const double along[3] = {f * dx, f * dy, f * dz};
+            double force[3];
+            fluid.correction.towards_solid(i, s, along, force);
             add(sum, s, force);
         });
     }
@@ -185,6 +187,7 @@ struct XsphLoop {
     }
 };
 
+// u += dt a
 void accelerate(const LiquidParticles& liquid, double dt) {
     const auto u = liquid.velocity(), a = liquid.acceleration();
     Kokkos::parallel_for(
@@ -256,11 +259,15 @@ BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& 
     BodyLoads loads(static_cast<std::size_t>(6 * points.count), 0.0);
     with_kernel(parts.options.kernel, constants.dimensions, constants.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
-            using Liquids = std::decay_t<decltype(liquids)>;
-            Kokkos::parallel_for("treacle::pressure_force", fluid.count,
-                PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
-        });
+        if (fluid.correction.exists()) {
+            accelerate(liquid, dt);
+        } else {
+            with_liquids(constants.immiscible, liquid.liquid(), 0, [&](const auto& liquids) {
+                using Liquids = std::decay_t<decltype(liquids)>;
+                Kokkos::parallel_for("treacle::pressure_force", fluid.count,
+                    PressureForceLoop<Kernel, Liquids>{kernel, liquids, fluid, liquid.velocity(), dt});
+            });
+        }
         if (parts.neighbours.solid.size > 0) {
             Kokkos::parallel_reduce("treacle::body_loads", fluid.count,
                 BodyLoadLoop<Kernel>{{loads.size()}, kernel, fluid, points}, host_sums(loads));

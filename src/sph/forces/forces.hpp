@@ -44,7 +44,7 @@ void compute_pressure_over_density2(const Constants& constants, LiquidParticles&
 
 // (S8) Acceleration by pressure, -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W - rho0 sum_s V_s p_i/rho_i^2
 // grad W (Akinci et al. 2012; of several liquids: ImmiscibleLiquids, README), added to the velocities; equal and opposite on the bodies, of which this
-// rank's share is returned.
+// rank's share is returned. With corrected gradients the accelerations are those that Iisph::solve has left.
 BodyLoads apply_pressure(const StepContext& parts, const MomentReferencePoints& points, double dt);
 
 // XSPH (Monaghan 1989): writes epsilon sum_j (V_i + V_j)/2 (u_j - u_i) W to the acceleration field as a velocity

@@ -1,6 +1,7 @@
 #include "sph/iisph/iisph.hpp"
 
 #include "base/text/clock.hpp"
+#include "sph/iisph/correct_gradients.hpp"
 #include "sph/iisph/iisph_loops.hpp"
 
 #include <algorithm>
@@ -212,6 +213,14 @@ void Iisph::prepare_pairs(const StepContext& parts) {
                 relative_density(parts.constants, liquid), {gradient_[0], gradient_[1], gradient_[2]}, diagonal_,
                 watched_, own_, force_});
     });
+    if (options.corrects_gradients()) return correct(parts);
+    std::ranges::copy(gradient_, adjoint_);
+}
+
+void Iisph::correct(const StepContext& parts) {
+    for (auto& one : adjoint_) reserve(one, gradient_[0].extent(0));
+    correct_gradients(
+        parts, {{gradient_[0], gradient_[1], gradient_[2]}, {adjoint_[0], adjoint_[1], adjoint_[2]}, own_, diagonal_});
 }
 
 void Iisph::write_source(const StepContext& parts, double dt, Aim aim) {
@@ -239,8 +248,8 @@ void Iisph::multiply(const StepContext& parts, const Array<double>& q) {
     const auto inlet = liquid.has_inlets() ? liquid.inlet() : Array<int>();
     const Gradients gradients{gradient_[0], gradient_[1], gradient_[2]};
     Kokkos::parallel_for("treacle::iisph_accelerations", fluid.count,
-        AccelerationLoop{
-            fluid, relative_density(parts.constants, liquid), inlet, gradients, force_, liquid.acceleration()});
+        AccelerationLoop{fluid, relative_density(parts.constants, liquid), inlet,
+            {adjoint_[0], adjoint_[1], adjoint_[2]}, force_, liquid.acceleration()});
     parts.halo.gather(liquid.store, {liquid.acceleration_field()});
     write_ghost_accelerations(liquid);
     Kokkos::parallel_for(
@@ -307,9 +316,13 @@ solve::SolveReport Iisph::iterate(const StepContext& parts, Aim aim, double dt, 
 solve::SolveReport Iisph::solve(const StepContext& parts, double dt, RoleCounts& roles) {
     const auto start = Clock::now();
     const Aim aim = parts.options.pressure.recovers_positions() ? Aim::approach : Aim::density;
-    prepare(parts, dt, aim);
+    write_source(parts, dt, aim);
     auto out = iterate(parts, aim, dt, parts.liquid.pressure());
     roles = write_pressures(parts, q_);
+    if (parts.options.pressure.corrects_gradients()) {
+        multiply(parts, q_);
+        ++out.products;
+    }
     out.iteration_seconds = seconds_since(start);
     return out;
 }
@@ -353,7 +366,7 @@ std::size_t Iisph::bytes() const {
     return 8 * (q_.span() + product_.span() + diagonal_.span() + own_.span() +
                    (force_.data() == own_.data() ? 0 : force_.span()) + watched_.span() + pressed_.span() +
                    answered_.span()) +
-           12 * gradient_[0].span() + spectral_.bytes();
+           (adjoint_[0].data() == gradient_[0].data() ? 12 : 24) * gradient_[0].span() + spectral_.bytes();
 }
 
 } // namespace treacle::sph

@@ -12,6 +12,7 @@ namespace treacle::sph {
 //     a_i = -q_i g_i - sum_j m q_j grad W_ij                    (S8), the walls' share of g_i times Constants::wall_pressure_factor
 //     (A q)_i = sum_j m a_j.grad W_ij - a_i.g_i                 minus the density's change by a_i, over dt^2
 //     b_i = (rho*_i - rho0) / dt^2
+// With (IS1c), correct_gradients.hpp, m B_i grad W_ij stands for m grad W_ij in g_i and (A q)_i, and m B_j grad W_ij in a_i.
 // A is G^T G with the q -> a of S8 as G: symmetric and positive semidefinite for any densities, solids included, unless
 // walls push harder. Conditions: q >= 0, A q - b >= 0, one of the two zero. With Aim::approach the velocities that
 // result are the nearest to u*, by their kinetic energy, of those that compress nothing further: a projection onto a
@@ -30,7 +31,8 @@ public:
     //   divergence: the density's rate of change over dt; rows with few neighbours (inaccurate density) stay 0 (Bender &
     //               Koschier 2017)
     enum class Aim { density, approach, positions, divergence };
-    // g, the diagonal of A, the gradients of the pairs. Writes the field packed_position.
+    // Collective: g, the diagonal of A, the gradients of the pairs, corrected where the options say so. Writes the fields
+    // packed_position and correction.
     void prepare_pairs(const StepContext& parts);
     // The same, and (S5) b. Ghosts' velocities must be current. Writes the fields source, place, motion.
     void prepare(const StepContext& parts, double dt, Aim aim = Aim::density);
@@ -43,8 +45,9 @@ public:
     // fields load, acceleration, motion.
     void multiply(const StepContext& parts, const Array<double>& q);
 
-    // Collective: prepares and solves, from half the last pressures, with DFSPH from all of them, with Aim::approach from their best
-    // multiple. Writes pressure and role: Poisson where the pressure is positive, Dirichlet elsewhere.
+    // Collective: solves after prepare_pairs(), from half the last pressures, with DFSPH from all of them, with Aim::approach from their best
+    // multiple. Writes pressure and role: Poisson where the pressure is positive, Dirichlet elsewhere. With corrected gradients the
+    // field acceleration is that by the pressures.
     solve::SolveReport solve(const StepContext& parts, double dt, RoleCounts& roles);
 
     // (IS2) Collective: what the density would exceed rho0 by after a step dt with the velocities, ghosts' included, as a shift
@@ -61,6 +64,8 @@ public:
     std::size_t bytes() const;                                  // of this rank [bytes]
 
 private:
+    // (IS1c)
+    void correct(const StepContext& parts);
     // (S5)
     void write_source(const StepContext& parts, double dt, Aim aim);
     // Solves what prepare() has prepared; last: pressures to start from [owned] [Pa].
@@ -75,8 +80,9 @@ private:
     Array<float> gradient_[3] = {Array<float>("treacle::iisph_gradient_x", 0),
         Array<float>("treacle::iisph_gradient_y", 0),
         Array<float>("treacle::iisph_gradient_z", 0)}; // m grad W of each pair [kg/m^(D+1)]
-    Array3 own_{"treacle::iisph_own", 0};              // g
-    Array3 force_{"treacle::iisph_force", 0};          // g of the forces: the same array unless walls push harder
+    Array<float> adjoint_[3];             // m B_j grad W of each pair: the same arrays unless gradients are corrected
+    Array3 own_{"treacle::iisph_own", 0}; // g
+    Array3 force_{"treacle::iisph_force", 0}; // g of the forces: the same array unless walls push harder
     Array<double> pressed_{"treacle::iisph_pressed", 0},
         answered_{"treacle::iisph_answered", 0}; // with the bodies' response
     SpectralGradient spectral_;

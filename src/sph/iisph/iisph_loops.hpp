@@ -110,9 +110,11 @@ struct SourceLoop {
         double change = sum_lanes(divergence);
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             const double gradient = c.rest_density * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
+            const double along[3] = {gradient * dx, gradient * dy, gradient * dz};
+            double g[3];
+            fluid.correction.towards_solid(i, s, along, g);
             const double factor = fluid.carries(s) ? 1 : 0;
-            change +=
-                gradient * ((ux - factor * v(s, 0)) * dx + (uy - factor * v(s, 1)) * dy + (uz - factor * v(s, 2)) * dz);
+            change += (ux - factor * v(s, 0)) * g[0] + (uy - factor * v(s, 1)) * g[1] + (uz - factor * v(s, 2)) * g[2];
         });
         if (aim != Iisph::Aim::divergence) {
             const double excess = density(i) / relative(i) - c.rest_density;
@@ -129,8 +131,8 @@ struct SourceLoop {
 struct AccelerationLoop {
     Fluid fluid;
     RelativeDensity relative;
-    Array<int> inlet; // of each particle, or empty
-    Gradients gradients;
+    Array<int> inlet;           // of each particle, or empty
+    Gradients adjoint;          // m B_j grad W, or as they are
     Array3 force, acceleration; // [owned][3] PairLoop::force [kg/m4], a [m/s2]
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
@@ -139,7 +141,7 @@ struct AccelerationLoop {
         SimdDouble fx = 0.0, fy = 0.0, fz = 0.0;
         for (int k = 0; k < row.count; k += lanes) {
             const SimdDouble q = row.within(k, gather_lanes(fluid.load.data(), load_ints(row.index + k)));
-            const auto g = gradients.near(first + k);
+            const auto g = adjoint.near(first + k);
             fx = fx + q * g.x;
             fy = fy + q * g.y;
             fz = fz + q * g.z;

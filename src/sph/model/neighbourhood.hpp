@@ -1,5 +1,6 @@
 #pragma once
 #include "kokkos/neighbour_list.hpp"
+#include "sph/model/gradient_correction.hpp"
 #include "sph/model/immiscible_liquids.hpp"
 #include "sph/model/options.hpp"
 #include "sph/model/particles.hpp"
@@ -107,6 +108,7 @@ struct Fluid {
     Array3 solid_velocity;                // [solids][3] [m/s]
     Array<double> solid_volume;           // [solids] V_s [m^D]
     Array<int> solid_body;                // [solids] number of the body, 0: walls of the domain
+    GradientCorrection correction;        // of the gradients of pressures
     int count;                            // owned liquid particles
 
     // True when the velocity of a solid particle is that of its place.
@@ -119,13 +121,19 @@ struct Fluid {
     }
 };
 
+// Views of the corrections, or none.
+inline GradientCorrection view_correction(const LiquidParticles& liquid, const SolidParticles& solid) {
+    if (!liquid.has_gradient_correction()) return {};
+    return {liquid.correction_diagonal(), liquid.correction_off_diagonal(), solid.normal()};
+}
+
 // Views of all that, without a copy.
 inline Fluid make_views(const Constants& constants, const LiquidParticles& liquid, const SolidParticles& solid,
     const Neighbourhood& neighbours) {
     return {constants, pairs(neighbours.liquid, liquid.store, liquid.store),
         pairs(neighbours.solid, liquid.store, solid.store), liquid.packed_position, liquid.motion, liquid.velocity(),
         liquid.pressure(), liquid.volume(), liquid.load(), solid.velocity(), solid.volume(), solid.body(),
-        liquid.store.owned()};
+        view_correction(liquid, solid), liquid.store.owned()};
 }
 
 } // namespace treacle::sph

@@ -26,6 +26,8 @@ enum class BodyCoupling { strong, weak };
 enum class StoppingRule { density_error, residual };
 // Return of compressed liquid to its density: by velocities, or by a position shift (IS2).
 enum class DensityRecovery { automatic, velocities, positions };
+// Gradients of pressures (IS1c): automatic: corrected where solids or inlets move the liquid.
+enum class PressureGradients { automatic, kernel, corrected };
 // Pressure solver of a step.
 enum class PressureSolver { isph, iisph, iisph_jacobi, dfsph };
 // Preconditioner of the pressure system (S7).
@@ -123,6 +125,7 @@ struct PressureOptions {
     double density_error =
         0; // mean compression of the Poisson particles, share of the rest density; 0: density_tolerance()
     DensityRecovery recovery = DensityRecovery::automatic; // by what compressed liquid gets its density back
+    PressureGradients gradients = PressureGradients::automatic;
     double divergence_error = 1e-4; // of DFSPH: mean compression that the velocities would cause in a step
     double largest_residual =
         0; // relative, that the density rule must reach as well (src/sph/theory.md); 0: residual_tolerance()
@@ -135,6 +138,11 @@ struct PressureOptions {
     double residual_tolerance() const {
         return largest_residual > 0 ? largest_residual : recovers_positions() ? 0.05 : 0.1;
     }
+    // True where gradients can be corrected: the operator is then the solver's own.
+    bool may_correct_gradients() const {
+        return recovers_positions() && solver == PressureSolver::iisph && wall_force == WallForce::one_sided;
+    }
+    bool corrects_gradients() const { return gradients == PressureGradients::corrected; }
     bool recovers_positions() const {
         return recovery == DensityRecovery::positions ||
                (recovery == DensityRecovery::automatic && solver == PressureSolver::iisph);

@@ -65,6 +65,17 @@ public:
     const Array<int>& row() const { return store.get<Array<int>>(row_); } // global number of its row, -1: none
     const Array<int>& component() const { return store.get<Array<int>>(component_); }
 
+    // With PressureOptions::corrects_gradients(): B of gradient_correction.hpp.
+    void add_gradient_correction() {
+        correction_diagonal_ = store.add<Array3>("gradient_correction_diagonal", "", FieldRole::work);
+        correction_off_diagonal_ = store.add<Array3>("gradient_correction_off_diagonal", "", FieldRole::work);
+    }
+    bool has_gradient_correction() const { return correction_diagonal_ >= 0; }
+    const Array3& correction_diagonal() const { return store.get<Array3>(correction_diagonal_); }
+    const Array3& correction_off_diagonal() const { return store.get<Array3>(correction_off_diagonal_); }
+    int correction_diagonal_field() const { return correction_diagonal_; }
+    int correction_off_diagonal_field() const { return correction_off_diagonal_; }
+
     // With inlets: the number of the one that still moves the particle as prescribed, from 1 on; 0: it is free.
     void add_inlets() { inlet_ = store.add<Array<int>>("inlet", "", FieldRole::state); }
     bool has_inlets() const { return inlet_ >= 0; }
@@ -86,7 +97,7 @@ public:
 private:
     int velocity_, end_velocity_, rate_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_,
         diagonal_, wall_term_, response_, acceleration_, role_, row_, component_;
-    int inlet_ = -1;
+    int inlet_ = -1, correction_diagonal_ = -1, correction_off_diagonal_ = -1;
 };
 
 // One layer of particles on each solid's surface and on the walls of the domain.

@@ -45,7 +45,9 @@ struct ResponseLoop {
         fluid.solid.each(i, [&](int s, double dx, double dy, double dz, double r2) {
             if (fluid.solid_body(s) != body) return;
             const double f = scale * fluid.solid_volume(s) * kernel.gradient(math::sqrt(r2));
-            const double g[3] = {f * dx, f * dy, f * dz};
+            const double along[3] = {f * dx, f * dy, f * dz};
+            double g[3];
+            fluid.correction.towards_solid(i, s, along, g);
             const double position[3] = {x(s, 0), x(s, 1), x(s, 2)};
             points.add(u, body, position, g);
         });
