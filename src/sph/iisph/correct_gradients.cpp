@@ -70,7 +70,8 @@ struct CorrectionLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Symmetric m = moment(i);
-        const double s = trust(m) * (fluid.solid.count(i) > 0 ? share_beside_solids : 1);
+        const double share = trust(m), s = share * (fluid.solid.count(i) > 0 ? share_beside_solids : 1);
+        fluid.correction.share(i) = share;
         Symmetric b{1, 1, 1, 0, 0, 0};
         if (s > 0) {
             const Symmetric v = inverse(m);

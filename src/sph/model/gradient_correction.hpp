@@ -7,6 +7,7 @@ namespace treacle::sph {
 // Without fields it changes nothing.
 struct GradientCorrection {
     Array3 diagonal, off_diagonal; // [particles][3] B: xx, yy, zz; xy, xz, yz
+    Array<double> share;           // [particles] of owned ones: how far M is inverted, 0 to 1
     Array3 normal;                 // [solids][3] unit, out of the solid
 
     // Factor on what solids add: a pressure that is the same everywhere then moves no first layer of liquid where it has come to
@@ -21,7 +22,7 @@ struct GradientCorrection {
         out[2] = off_diagonal(i, 1) * g[0] + off_diagonal(i, 2) * g[1] + diagonal(i, 2) * g[2];
     }
     // The gradient of particle i towards solid particle s, from that of the kernel: along the solid's normal, so that its
-    // roughness does not hold back what slides along it.
+    // roughness does not hold back what slides along it; as it is where nothing is corrected, as of what solids squeeze out.
     KOKKOS_INLINE_FUNCTION void towards_solid(int i, int s, const double g[3], double out[3]) const {
         if (!exists()) {
             for (int k = 0; k < 3; ++k) out[k] = g[k];
@@ -30,7 +31,7 @@ struct GradientCorrection {
         times(i, g, out);
         double along = 0;
         for (int k = 0; k < 3; ++k) along += normal(s, k) * out[k];
-        for (int k = 0; k < 3; ++k) out[k] = wall_factor * along * normal(s, k);
+        for (int k = 0; k < 3; ++k) out[k] = g[k] + share(i) * (wall_factor * along * normal(s, k) - g[k]);
     }
 };
 

@@ -23,6 +23,7 @@ struct Parts {
 
     Parts(const Comm& group, const Sample& sample)
         : comm(group), setup(sample.setup), decomposition(group, sample.setup.grid) {
+        if (setup.options.pressure.corrects_gradients()) liquid.add_gradient_correction();
         put(comm, sample, liquid, solid);
         std::vector<int> cells;
         for (const auto& point : test::read(liquid.store, 0, liquid.store.owned())) {
