@@ -26,7 +26,7 @@ KOKKOS_INLINE_FUNCTION void each_around(const int c[3], int dimensions, const Ce
     }
 }
 
-// Number of particles in each whole cell that has liquid on all sides.
+// Number of particles in each cell that has liquid on all sides, and that solids leave some room in.
 struct WithinLoop {
     CellBox cells, window;
     int dimensions;
@@ -38,7 +38,7 @@ struct WithinLoop {
         int c[3];
         cells.cell(i, c);
         const int at = window.index(c[0], c[1], c[2]);
-        bool counts = fluid(at) >= whole;
+        bool counts = fluid(at) > 0;
         each_around(c, dimensions, window, [&](int n, int) { counts = counts && distance(n) < 0; });
         const int in_list = particles.window.index(c[0], c[1], c[2]);
         within(at) = counts ? particles.end(in_list) - particles.begin(in_list) : -1;
@@ -54,7 +54,7 @@ struct InflowLoop {
     CellList particles;
     Array3 affine[3];
     Array<int> within;
-    Array<double> inflow;
+    Array<double> fluid, inflow;
 
     KOKKOS_INLINE_FUNCTION SmallMatrix gradient(int particle) const {
         SmallMatrix out;
@@ -72,21 +72,34 @@ struct InflowLoop {
         return math::min(1 / dt, math::max(falls, math::sqrt(sum / (last - first)) / strain));
     }
 
+    // What of it the dead band does not allow.
+    KOKKOS_INLINE_FUNCTION double beyond(double missing) const {
+        return missing - math::max(-dead_band, math::min(dead_band, missing));
+    }
+
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         int c[3];
         owned.cell(i, c);
         const int at = window.index(c[0], c[1], c[2]);
         inflow(at) = 0;
-        if (within(at) < 0) return;
-        int number = 0, cells = 0;
+        if (within(at) < 0 || fluid(at) < whole) return;
+        int number = 0, cells = 0; // of whole cells
+        double in_cut = 0, room_cut = 0;
         each_around(c, dimensions, window, [&](int n, int weight) {
             if (within(n) < 0) return;
-            number += weight * within(n);
-            cells += weight;
+            if (fluid(n) >= whole) {
+                number += weight * within(n);
+                cells += weight;
+            } else {
+                in_cut += weight * within(n);
+                room_cut += weight * fluid(n);
+            }
         });
-        const double missing = 1 - number / (full * cells);
-        const double beyond = missing - math::max(-dead_band, math::min(dead_band, missing));
-        if (beyond != 0) inflow(at) = dx / steps * rate(c) * beyond;
+        const double alone = beyond(1 - number / (full * cells));
+        if (alone == 0) return;
+        const double with_cut = beyond(1 - (number + in_cut) / (full * (cells + room_cut)));
+        if (alone * with_cut <= 0) return;
+        inflow(at) = dx / steps * rate(c) * (math::fabs(alone) < math::fabs(with_cut) ? alone : with_cut);
     }
 };
 } // namespace
@@ -105,7 +118,8 @@ void DensityRelaxation::find(const DensityRelaxationOptions& options, const Scen
     const auto& particles = scene.particles;
     Kokkos::parallel_for("treacle::density_relaxation", static_cast<int>(owned.size()),
         InflowLoop{owned, window, dimensions, full, options.dead_band, options.steps, dx, dt, falls, scene.cells,
-            {particles.affine(0), particles.affine(1), particles.affine(2)}, within_, inflow_});
+            {particles.affine(0), particles.affine(1), particles.affine(2)}, within_, scene.fractions.cell_fluid,
+            inflow_});
 }
 
 } // namespace treacle::grid

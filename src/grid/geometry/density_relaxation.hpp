@@ -31,7 +31,9 @@ public:
         const Fractions& fractions;    // cell_fluid, current one cell around
         double gravity;                // [m/s2]
     };
-    // Local. Cells cut by solids, and those beside the surface, which particles do not fill, count for nothing.
+    // Local. Cells beside the surface count for nothing, and cut ones have no divergence of their own. Since particles do not fill
+    // cells that solids cut, the density beside these is taken without and with them, by the room that is left; what is less of
+    // both acts, if they agree in the sign: seeding puts beside such cells what has no place in them.
     void find(const DensityRelaxationOptions& options, const Scene& scene, double dt);
 
     // [window] of the halo: what must flow into each owned cell, over the area of a face: -dx times the divergence [m/s].

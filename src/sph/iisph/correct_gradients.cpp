@@ -11,7 +11,7 @@ namespace {
 // M is a half across it, and its inverse is noise in splashes.
 constexpr double uncorrected_below = 0.25, corrected_above = 0.4;
 // Share of the correction beside solids: in whole it drives liquid up along walls, with a half of it down.
-constexpr double share_beside_solids = 0.85;
+constexpr double weight_beside_solids = 0.85;
 
 KOKKOS_INLINE_FUNCTION void read(const Array<float> from[3], std::int64_t k, double g[3]) {
     for (int l = 0; l < 3; ++l) g[l] = from[l](k);
@@ -70,8 +70,8 @@ struct CorrectionLoop {
 
     KOKKOS_INLINE_FUNCTION void operator()(int i) const {
         const Symmetric m = moment(i);
-        const double share = trust(m), s = share * (fluid.solid.count(i) > 0 ? share_beside_solids : 1);
-        fluid.correction.share(i) = share;
+        const double weight = trust(m), s = weight * (fluid.solid.count(i) > 0 ? weight_beside_solids : 1);
+        fluid.correction.weight(i) = weight;
         Symmetric b{1, 1, 1, 0, 0, 0};
         if (s > 0) {
             const Symmetric v = inverse(m);

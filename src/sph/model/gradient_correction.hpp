@@ -7,7 +7,7 @@ namespace treacle::sph {
 // Without fields it changes nothing.
 struct GradientCorrection {
     Array3 diagonal, off_diagonal; // [particles][3] B: xx, yy, zz; xy, xz, yz
-    Array<double> share;           // [particles] of owned ones: how far M is inverted, 0 to 1
+    Array<double> weight;          // [particles] of owned ones: how far M is inverted, 0 to 1
     Array3 normal;                 // [solids][3] unit, out of the solid
 
     // Factor on what solids add: a pressure that is the same everywhere then moves no first layer of liquid where it has come to
@@ -31,7 +31,7 @@ struct GradientCorrection {
         times(i, g, out);
         double along = 0;
         for (int k = 0; k < 3; ++k) along += normal(s, k) * out[k];
-        for (int k = 0; k < 3; ++k) out[k] = g[k] + share(i) * (wall_factor * along * normal(s, k) - g[k]);
+        for (int k = 0; k < 3; ++k) out[k] = g[k] + weight(i) * (wall_factor * along * normal(s, k) - g[k]);
     }
 };
 

@@ -124,7 +124,7 @@ struct Fluid {
 // Views of the corrections, or none.
 inline GradientCorrection view_correction(const LiquidParticles& liquid, const SolidParticles& solid) {
     if (!liquid.has_gradient_correction()) return {};
-    return {liquid.correction_diagonal(), liquid.correction_off_diagonal(), liquid.correction_share(), solid.normal()};
+    return {liquid.correction_diagonal(), liquid.correction_off_diagonal(), liquid.correction_weight(), solid.normal()};
 }
 
 // Views of all that, without a copy.

@@ -69,12 +69,12 @@ public:
     void add_gradient_correction() {
         correction_diagonal_ = store.add<Array3>("gradient_correction_diagonal", "", FieldRole::work);
         correction_off_diagonal_ = store.add<Array3>("gradient_correction_off_diagonal", "", FieldRole::work);
-        correction_share_ = store.add<Array<double>>("gradient_correction_share", "", FieldRole::work);
+        correction_weight_ = store.add<Array<double>>("gradient_correction_weight", "", FieldRole::work);
     }
     bool has_gradient_correction() const { return correction_diagonal_ >= 0; }
     const Array3& correction_diagonal() const { return store.get<Array3>(correction_diagonal_); }
     const Array3& correction_off_diagonal() const { return store.get<Array3>(correction_off_diagonal_); }
-    const Array<double>& correction_share() const { return store.get<Array<double>>(correction_share_); }
+    const Array<double>& correction_weight() const { return store.get<Array<double>>(correction_weight_); }
     int correction_diagonal_field() const { return correction_diagonal_; }
     int correction_off_diagonal_field() const { return correction_off_diagonal_; }
 
@@ -99,7 +99,7 @@ public:
 private:
     int velocity_, end_velocity_, rate_, pressure_, liquid_, viscosity_, density_, volume_, load_, blended_, source_,
         diagonal_, wall_term_, response_, acceleration_, role_, row_, component_;
-    int inlet_ = -1, correction_diagonal_ = -1, correction_off_diagonal_ = -1, correction_share_ = -1;
+    int inlet_ = -1, correction_diagonal_ = -1, correction_off_diagonal_ = -1, correction_weight_ = -1;
 };
 
 // One layer of particles on each solid's surface and on the walls of the domain.
