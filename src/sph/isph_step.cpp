@@ -22,20 +22,19 @@ bool viscosity_by_operator(const IsphSetup& setup) {
            (integration == ViscosityIntegration::implicit || integration == ViscosityIntegration::explicit_form);
 }
 
-// True when bodies, sides or inlets can push the liquid.
-bool may_be_driven(const IsphSetup& setup) {
+// True when bodies or sides can push the liquid.
+bool solids_may_move(const IsphSetup& setup) {
     const auto moves = [](const auto& body) { return body.kind != scene::BodyKind::fixed; };
     const auto slides = [](const Vec3& velocity) { return velocity != Vec3{0, 0, 0}; };
-    return !setup.inflow.inlets.empty() || std::ranges::any_of(setup.rigid.bodies, moves) ||
-           std::ranges::any_of(setup.sides, slides);
+    return std::ranges::any_of(setup.rigid.bodies, moves) || std::ranges::any_of(setup.sides, slides);
 }
 
 // The setup with `gradients: automatic` decided.
 IsphSetup decided(IsphSetup setup) {
     auto& pressure = setup.options.pressure;
     if (pressure.gradients == PressureGradients::automatic)
-        pressure.gradients = pressure.may_correct_gradients() && may_be_driven(setup) ? PressureGradients::corrected
-                                                                                      : PressureGradients::kernel;
+        pressure.gradients = pressure.may_correct_gradients() && solids_may_move(setup) ? PressureGradients::corrected
+                                                                                        : PressureGradients::kernel;
     return setup;
 }
 } // namespace

@@ -189,7 +189,7 @@ void PressureOptions::declare_stop(Declaration& d) {
         "linear velocities. "
         "Particles out of order resist shear by a friction of 0.5 to 2 % of the pressure with the former, and hardly "
         "with "
-        "the latter, which take about twice the time. `automatic`: corrected where bodies, sides or inlets "
+        "the latter, which take about twice the time. `automatic`: corrected where bodies or sides "
         "move, with `recovery: positions` of `iisph`.");
     d.check(!corrects_gradients() || may_correct_gradients(), "gradients",
         {"corrected needs solver: iisph, recovery: positions and wall_force: one_sided",

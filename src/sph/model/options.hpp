@@ -26,7 +26,7 @@ enum class BodyCoupling { strong, weak };
 enum class StoppingRule { density_error, residual };
 // Return of compressed liquid to its density: by velocities, or by a position shift (IS2).
 enum class DensityRecovery { automatic, velocities, positions };
-// Gradients of pressures (IS1c): automatic: corrected where solids or inlets move the liquid.
+// Gradients of pressures (IS1c): automatic: corrected where solids can move the liquid.
 enum class PressureGradients { automatic, kernel, corrected };
 // Pressure solver of a step.
 enum class PressureSolver { isph, iisph, iisph_jacobi, dfsph };
