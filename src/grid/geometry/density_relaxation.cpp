@@ -72,7 +72,7 @@ struct InflowLoop {
         return math::min(1 / dt, math::max(falls, math::sqrt(sum / (last - first)) / strain));
     }
 
-    // What of it the dead band does not allow.
+    // Part of what is missing, or too much, that the dead band does not allow.
     KOKKOS_INLINE_FUNCTION double beyond(double missing) const {
         return missing - math::max(-dead_band, math::min(dead_band, missing));
     }

@@ -17,7 +17,7 @@ KOKKOS_INLINE_FUNCTION void read(const Array<float> from[3], std::int64_t k, dou
     for (int l = 0; l < 3; ++l) g[l] = from[l](k);
 }
 
-// Adds weight g d^T, its symmetric part.
+// Adds the symmetric part of g d^T.
 KOKKOS_INLINE_FUNCTION void add_product(const double g[3], const double d[3], Symmetric& to) {
     to.xx += g[0] * d[0];
     to.yy += g[1] * d[1];
@@ -27,7 +27,7 @@ KOKKOS_INLINE_FUNCTION void add_product(const double g[3], const double d[3], Sy
     to.yz += 0.5 * (g[1] * d[2] + g[2] * d[1]);
 }
 
-// How far M lets its inverse be taken, 0 to 1.
+// Weight that the inverse of M may have, 0 to 1, by its smallest eigenvalue.
 KOKKOS_INLINE_FUNCTION double trust(const Symmetric& m) {
     if (surely_above(m, corrected_above)) return 1;
     const Eigen3 e = eigen(m);
@@ -42,7 +42,7 @@ struct CorrectionLoop {
     Fluid fluid;
     Array<float> gradient[3];
 
-    // M
+    // M of correct_gradients(), with the gradients of the kernel.
     KOKKOS_INLINE_FUNCTION Symmetric moment(int i) const {
         const Constants& c = fluid.constants;
         Symmetric m;
